@@ -1,0 +1,53 @@
+#include "core/tables.h"
+
+#include "core/errors.h"
+
+namespace halflight {
+
+DiscreteTable::DiscreteTable(std::span<const float> weights) : prefix_(weights.size() + 1, 0.0) {
+  for (size_t i = 0; i < weights.size(); ++i) {
+    HALFLIGHT_CHECK(weights[i] >= 0 && std::isfinite(weights[i]));
+    prefix_[i + 1] = prefix_[i] + weights[i];
+  }
+  total_ = prefix_.back();
+}
+
+DiscreteTable::Draw DiscreteTable::draw(float u) const {
+  const double target = static_cast<double>(u) * total_;
+  // First entry whose upper prefix exceeds the target: never one of zero width.
+  auto upper = std::upper_bound(prefix_.begin() + 1, prefix_.end(), target);
+  if (upper == prefix_.end()) upper = std::lower_bound(prefix_.begin() + 1, prefix_.end(), total_);
+  const size_t index = static_cast<size_t>(upper - prefix_.begin()) - 1;
+  const double width = prefix_[index + 1] - prefix_[index];
+  const double residual = (target - prefix_[index]) / width;
+  return {static_cast<uint32_t>(index), static_cast<float>(width / total_),
+          std::clamp(static_cast<float>(residual), 0.0f, 0x1.fffffep-1f)};
+}
+
+PlaneTable::PlaneTable(std::span<const float> weights, int columns, int rows) : columns_(columns), rows_(rows) {
+  HALFLIGHT_CHECK(weights.size() == static_cast<size_t>(columns) * rows);
+  std::vector<float> row_totals(rows);
+  conditional_.reserve(rows);
+  for (int row = 0; row < rows; ++row) {
+    conditional_.emplace_back(weights.subspan(static_cast<size_t>(row) * columns, columns));
+    row_totals[row] = static_cast<float>(conditional_.back().total());
+  }
+  marginal_ = DiscreteTable(row_totals);
+}
+
+PlaneTable::Draw PlaneTable::draw(Vec2 u) const {
+  const auto row = marginal_.draw(u.y);
+  const auto column = conditional_[row.index].draw(u.x);
+  return {{(column.index + column.residual) / columns_, (row.index + row.residual) / rows_},
+          column.probability * row.probability * columns_ * rows_,
+          row.index * columns_ + column.index};
+}
+
+float PlaneTable::pdf(Vec2 position) const {
+  const int row = std::clamp(static_cast<int>(position.y * rows_), 0, rows_ - 1);
+  const int column = std::clamp(static_cast<int>(position.x * columns_), 0, columns_ - 1);
+  if (conditional_[row].empty()) return 0;
+  return static_cast<float>(marginal_.probability(row) * conditional_[row].probability(column)) * columns_ * rows_;
+}
+
+}  // namespace halflight

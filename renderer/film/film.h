@@ -1,0 +1,55 @@
+// Accumulation: two independent halves a pixel, so that the picture knows how wrong it still is.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "core/math.h"
+
+namespace halflight {
+
+/// Sums in double. Each pixel has two halves filled by independent draws; the picture is their weighted mean.
+class Film {
+ public:
+  Film() = default;
+  Film(int width, int height);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// Adds the mean of `samples` samples to a half (0 or 1) of a pixel. One thread a pixel at a time.
+  /// A mean that is not finite becomes 0 and is counted.
+  void add(uint32_t pixel, int half, Vec3 mean, uint32_t samples);
+
+  /// Adds another film of the same size; the order of merges is the caller's to fix.
+  void merge(const Film& other);
+  void clear();
+
+  uint32_t samples(uint32_t pixel) const;
+  double mean_samples() const;
+  Vec3 radiance(uint32_t pixel) const;
+  ImageRgb image() const;
+  /// The picture so far; pixels with no sample yet take the nearest coarser one that has some.
+  ImageRgb preview() const;
+  /// Variance of the pixel's mean, from the two halves: (A − B)²/4.
+  Vec3 variance(uint32_t pixel) const;
+
+  /// relMSE expected of the picture, mean((A−B)²/4 / (r² + (0.01 mean r)²)); negative until both halves have samples.
+  double estimated_relmse() const;
+  uint64_t nan_samples() const { return nan_samples_; }
+  void count_nan() { ++nan_samples_; }
+  Vec3 mean_radiance() const;
+
+ private:
+  struct Pixel {
+    std::array<Vec3d, 2> sum{};
+    std::array<uint32_t, 2> count{};
+  };
+  int width_ = 0, height_ = 0;
+  std::vector<Pixel> pixels_;
+  uint64_t nan_samples_ = 0;
+};
+
+}  // namespace halflight

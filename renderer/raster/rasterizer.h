@@ -1,0 +1,69 @@
+// OpenGL: contexts, G-buffer, shadow maps and the lighting of surface points. No GL type leaves this folder.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/errors.h"
+#include "lights/light_points.h"
+#include "scene/camera.h"
+#include "scene/gbuffer.h"
+
+namespace halflight {
+
+/// Where pixels of the G-buffer come from. `automatic`: rays on a software rasteriser, OpenGL on a real GPU.
+enum class Backend { automatic, window, egl, osmesa, none };
+
+struct GlDescription {
+  std::string backend, renderer, version;
+  bool software = false;  ///< llvmpipe, softpipe or swrast
+};
+
+/// An OpenGL 4.3+ core context without a window (EGL or OSMesa), current on the thread that made it.
+class GlContext {
+ public:
+  /// Throws Error (exit code 4) naming what was tried. `automatic` tries EGL, then OSMesa.
+  static std::unique_ptr<GlContext> make_headless(Backend);
+  /// Wraps a context that is already current (a GLFW window's); `get_proc` finds its functions.
+  static std::unique_ptr<GlContext> adopt(void* (*get_proc)(const char*));
+  virtual ~GlContext() = default;
+
+  const GlDescription& description() const { return description_; }
+
+ protected:
+  GlDescription description_;
+};
+
+struct RasterSettings {
+  int shadow_map_size = 2048;  ///< spots, projectors and directional lights
+  int shadow_cube_size = 1024;
+};
+
+/// A scene on the GPU.
+class Rasterizer {
+ public:
+  /// Uploads geometry, materials and textures. Out of memory halves the textures and says so in `messages`.
+  Rasterizer(GlContext&, const Scene&, const RasterSettings&, Messages&);
+  ~Rasterizer();
+
+  /// Draws and reads back the G-buffer; same meaning of `jitter` and `alpha_seed` as `trace_gbuffer`.
+  void draw_gbuffer(const Camera&, Vec2 jitter, uint32_t alpha_seed, GBuffer&);
+
+  /// Draws the shadow maps of all punctual lights; call again when a light's place changes.
+  void update_shadow_maps();
+
+  /// Irradiance from the punctual lights on both sides of each point in one draw, read back (2·i front, 2·i + 1 back).
+  std::vector<Vec3> light_points(const std::vector<BouncePoint>&);
+
+  /// D_punctual of the G-buffer drawn last, by shadow maps: f · cos θ · E, added to `radiance` (one a pixel).
+  void add_punctual(const GBuffer&, std::vector<Vec3>& radiance);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace halflight

@@ -1,0 +1,39 @@
+// From a point on a triangle to what light sees there: textures, normal map, BRDF parameters, emission, alpha.
+// shaders/surface.glsl does the same on the GPU; a test holds the two against each other.
+#pragma once
+
+#include "scene/gbuffer.h"
+#include "scene/scene.h"
+
+namespace halflight {
+
+/// A point of a triangle: `barycentric` weighs vertices 1 and 2.
+struct SurfacePoint {
+  uint32_t triangle;
+  Vec2 barycentric;
+};
+
+/// Texture value at uv after the use's transform, linear RGBA; white where the use is empty. Bilinear at full resolution.
+Vec4 texture_value(const Scene&, const TextureUse&, const Vec2 uv[2]);
+
+/// Position interpolated over the triangle.
+Vec3 surface_position(const Scene&, SurfacePoint);
+
+/// Coverage in [0, 1]: 1 for opaque materials, 0 or 1 for masks, base colour alpha for blends.
+float surface_alpha(const Scene&, SurfacePoint);
+
+/// Whether the point stands in the way of a ray: alpha against a hash of the point (Wyman & McGuire 2017, hashed alpha
+/// testing). With `seed` fixed the scene is one fixed opaque scene; over seeds the mean is blending.
+bool surface_blocks(const Scene&, SurfacePoint, uint32_t seed);
+
+/// Radiance emitted at the point towards `side` of the geometric normal (+1 front, −1 back).
+Vec3 surface_emission(const Scene&, SurfacePoint, int side);
+
+/// Everything a pixel keeps about the point, seen from direction `wo`. Normals are turned to wo's side, and a shading
+/// normal that would face away is bent until it does not.
+GBufferTexel shade_surface(const Scene&, SurfacePoint, Vec3 wo);
+
+/// BRDF of a material with its textures at the point (normals aside).
+Brdf surface_brdf(const Scene&, SurfacePoint);
+
+}  // namespace halflight

@@ -1,0 +1,86 @@
+// The renderer's face: open a scene, ask for the plan, run passes, read the film. The app sees nothing below this but
+// scene, film and the technique registry. A session is used from the one thread that made it (its OpenGL context lives
+// there); passes use all cores.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "film/film.h"
+#include "raster/rasterizer.h"
+#include "scene/camera.h"
+#include "scene/load.h"
+#include "techniques/technique.h"
+
+namespace halflight {
+
+struct RenderSettings {
+  std::string technique = "bidirectional";
+  std::optional<Target> target;  ///< the technique's own default
+  LightSelection light = LightSelection::all;
+  int width = 640, height = 480;
+  uint64_t seed = 0;             ///< of samples only
+  Backend backend = Backend::automatic;
+  SettingValues values;
+
+  bool operator==(const RenderSettings&) const = default;
+};
+
+/// One stage of a frame: whether this scene needs it, and why.
+struct PlanStage {
+  std::string stage;  ///< gbuffer, shadow-maps, direct-light, environment-points, surface-points, emitter-points, …
+  bool runs;
+  std::string why;
+};
+
+/// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session did first.
+struct StageSeconds {
+  double load = 0, raster = 0, lights = 0, distribution = 0, sampling = 0, visibility = 0, resolve = 0, total = 0;
+};
+
+struct SessionStats {
+  StageSeconds seconds;
+  RayCounters rays;
+  uint64_t useful_rays = 0;
+  uint32_t passes = 0;
+  uint32_t light_count = 0, cut_size = 0;
+};
+
+class Session {
+ public:
+  /// Takes a loaded scene; completes its camera and lights. Throws Error (exit code 4) when the back end that was
+  /// asked for cannot be had.
+  Session(Scene, const RenderSettings&, Messages&);
+  ~Session();
+
+  const Scene& scene() const;
+  const RenderSettings& settings() const;
+  const Camera& camera() const;
+  const std::vector<PlanStage>& plan() const;
+  const std::optional<GlDescription>& gl() const;  ///< nothing where the G-buffer comes from rays
+
+  void set_camera(const Camera&);           ///< redraws the G-buffer
+  void set_settings(const RenderSettings&);  ///< redoes what the difference asks for
+  /// Lights, environment rotation and strength, emission: geometry stays. Re-lights and re-cuts.
+  void edit_lights(const std::vector<PunctualLight>&, float environment_rotation, float environment_strength);
+
+  /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the frame.
+  void run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop = {});
+
+  const Film& film() const;
+  const GBuffer& gbuffer() const;
+  const SessionStats& stats() const;
+  void restart();  ///< clears the film
+
+  /// The frame as techniques see it, for tests and benchmarks; prepares it if needed.
+  FrameView frame();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace halflight

@@ -1,0 +1,51 @@
+// From the scene's lights to S, its tree and the cut: the "lights" stage of a frame.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "lights/light_points.h"
+#include "lights/light_tree.h"
+#include "techniques/technique.h"
+
+namespace halflight {
+
+/// Which kinds of light S holds for this scene, selection and technique.
+struct LightKinds {
+  bool environment = false, emitters = false, surfaces = false, punctual = false;
+};
+
+/// Finds irradiance on both sides of each bounce point; raster, rays or both stand behind it.
+using LightPointsFunction = std::function<std::vector<Vec3>(const std::vector<BouncePoint>&)>;
+
+struct LightStageTimes {
+  double points = 0, lighting = 0, tree = 0, cut = 0;  ///< seconds
+};
+
+/// Keeps the points while the geometry stands, re-lights them when a light changes, re-cuts when radiance changes.
+class LightStage {
+ public:
+  /// Places the points and builds everything. `pass_seed` ≠ 0 redraws independent points (continuous target).
+  void build(const Scene&, const LightKinds&, const SettingValues&, uint64_t pass_seed, const LightPointsFunction&);
+  /// Only colours or intensities changed: same points and topology.
+  void relight(const Scene&, const SettingValues&, const LightPointsFunction&);
+
+  const LightTree& tree() const { return tree_; }
+  const Cut& cut() const { return cut_; }
+  const LightStageTimes& times() const { return times_; }
+  size_t bounce_point_count() const { return bounce_points_.size(); }
+
+ private:
+  std::vector<VirtualLight> gather(const Scene&, const LightPointsFunction&);
+
+  LightKinds kinds_;
+  LightPointSettings point_settings_;
+  std::vector<BouncePoint> bounce_points_;
+  LightTree tree_;
+  Cut cut_;
+  LightStageTimes times_;
+};
+
+CutSettings cut_settings(const SettingValues&);
+
+}  // namespace halflight

@@ -1,0 +1,90 @@
+// A technique: how the light of S (or of the scene itself) is sampled at a pixel. Virtual per pass, never per sample.
+//
+// To add one: a file in this folder with its citation, estimator and target; a line in registry.cpp. It then appears in
+// the window, the command line and the reports, and inherits the tests.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string_view>
+#include <vector>
+
+#include "film/film.h"
+#include "lights/light_tree.h"
+#include "scene/gbuffer.h"
+#include "techniques/settings.h"
+#include "trace/ray_scene.h"
+
+namespace halflight {
+
+/// What a picture converges to: the sum over one frozen S seen through pixel centres, or the integral, antialiased.
+enum class Target { discrete, continuous };
+enum class TargetSupport { discrete, continuous, both, own };
+enum class Bias { unbiased, biased };
+enum class LightSelection { all, direct, indirect };
+
+std::string_view target_name(Target);
+
+/// Everything a technique may read while a pass runs; nothing in it changes during the pass.
+struct FrameView {
+  const Scene* scene = nullptr;
+  const RayScene* rays = nullptr;
+  const GBuffer* gbuffer = nullptr;
+  const LightTree* tree = nullptr;
+  const Cut* cut = nullptr;
+  const SettingValues* settings = nullptr;
+  const std::vector<Vec3>* base = nullptr;  ///< per pixel: emission seen + direct light found by other stages
+  Target target = Target::discrete;
+  uint64_t seed = 0;
+  uint32_t alpha_seed = 0;
+
+  GeometryTerm geometry_term() const {
+    return target == Target::discrete ? GeometryTerm::bounded : GeometryTerm::exact;
+  }
+};
+
+/// One pass: `samples` a pixel, half of them to each half of the film, over every `stride`-th pixel in x and y.
+struct PassRequest {
+  uint32_t pass = 0;
+  uint32_t samples = 32;
+  uint32_t stride = 1;     ///< 1, 2 or 4
+  uint32_t offset = 0;     ///< which of the stride² interleaved subsets
+  std::stop_token stop{};
+};
+
+struct PassStats {
+  double distribution_seconds = 0, sampling_seconds = 0, visibility_seconds = 0, resolve_seconds = 0;  ///< thread seconds
+  RayCounters rays;
+  uint64_t useful_rays = 0;  ///< visibility rays that could carry light (f · L > 0)
+  uint64_t pixels = 0;
+  bool finished = true;      ///< false when stopped early
+
+  PassStats& operator+=(const PassStats&);
+};
+
+class Technique {
+ public:
+  virtual ~Technique() = default;
+  /// Called when lights, cut or settings changed, before the next pass.
+  virtual void prepare(const FrameView&) {}
+  virtual PassStats run_pass(const FrameView&, const PassRequest&, Film&) = 0;
+};
+
+struct TechniqueInfo {
+  std::string_view id, title, source;
+  TargetSupport target;
+  Bias bias;
+  std::span<const SettingInfo> settings;
+  std::unique_ptr<Technique> (*make)();
+};
+
+/// The registry; CLI, window, reports and tests all read this.
+std::span<const TechniqueInfo> techniques();
+/// Throws Error (exit code 2) listing the valid ids.
+const TechniqueInfo& find_technique(std::string_view id);
+/// The target a technique runs in when none is asked for. Throws Error (exit code 2) when `wanted` is not supported.
+Target choose_target(const TechniqueInfo&, std::optional<Target> wanted);
+
+}  // namespace halflight
