@@ -1,1 +1,71 @@
-int main() { return 0; }
+// Arguments to a command; exceptions to an exit code.
+#include <csignal>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "command_line.h"
+#include "commands/commands.h"
+#include "console.h"
+#include "help.h"
+
+namespace halflight {
+
+namespace {
+
+int run_command(const Options& options) {
+  switch (options.command) {
+    case Command::view:
+      return run_view(options);
+    case Command::render:
+      return run_render(options);
+    case Command::info:
+      return run_info(options);
+    case Command::error:
+      return run_error(options);
+    case Command::techniques:
+      return run_techniques(options);
+    case Command::scenes:
+      return run_scenes(options);
+  }
+  return static_cast<int>(ExitCode::usage);
+}
+
+int run(const std::vector<std::string>& arguments) {
+  const Options options = parse_arguments(arguments);
+  if (options.help)
+    write_standard_output(options.command_given ? help_text(options.command) : overview_text());
+  else if (options.version)
+    write_standard_output("halflight " HALFLIGHT_VERSION "\n");
+  else if (!options.completions.empty())
+    write_standard_output(completion_script(options.completions));
+  else
+    return run_command(options);
+  return static_cast<int>(ExitCode::ok);
+}
+
+int fail(ExitCode code, std::string_view message) {
+  print_error(message);
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+}  // namespace halflight
+
+int main(int argc, char** argv) {
+  using namespace halflight;
+  // A full pipe or disk shows as a failed write, which can be reported.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  try {
+    return run(std::vector<std::string>(argv + (argc > 0), argv + argc));
+  } catch (const Error& error) {
+    return fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ExitCode::failure, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(ExitCode::failure, error.what());
+  }
+}

@@ -18,3 +18,9 @@ if(HALFLIGHT_SANITIZE)
   add_compile_options(-fsanitize=${HALFLIGHT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HALFLIGHT_SANITIZE})
 endif()
+
+# A second build of the same file costs nothing where ccache is installed.
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()

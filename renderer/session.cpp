@@ -1,1 +1,353 @@
-namespace halflight {}
+#include "session.h"
+
+#include <filesystem>
+
+#include "core/parallel.h"
+#include "core/random.h"
+#include "core/stopwatch.h"
+#include "trace/ray_gbuffer.h"
+
+namespace halflight {
+
+namespace {
+
+/// Whether the machine shows a graphics device at all; without one OpenGL would be a software rasteriser.
+bool has_graphics_device() {
+  std::error_code ignored;
+  return std::filesystem::exists("/dev/dri", ignored) || std::filesystem::exists("/dev/nvidia0", ignored) ||
+         std::filesystem::exists("/dev/dxg", ignored);
+}
+
+bool group_changed(const SettingValues& a, const SettingValues& b, std::span<const SettingInfo> group) {
+  return std::any_of(group.begin(), group.end(),
+                     [&](const SettingInfo& info) { return a.get(info.key) != b.get(info.key); });
+}
+
+/// Position inside the pixel of round `pass`, relative to its centre (Roberts 2018, the R2 sequence).
+Vec2 pixel_jitter(uint32_t pass) {
+  const double n = pass + 1.0;
+  const auto fraction = [](double x) { return x - std::floor(x); };
+  return {static_cast<float>(fraction(n * 0.7548776662466927) - 0.5),
+          static_cast<float>(fraction(n * 0.5698402909980532) - 0.5)};
+}
+
+}  // namespace
+
+struct Session::Impl {
+  Impl(Scene scene_in, const RenderSettings& settings_in, Messages& messages_in)
+      : scene(std::move(scene_in)), settings(settings_in), messages(messages_in) {}
+
+  // What must be redone before the next pass.
+  struct Stale {
+    bool raster = true;   ///< back end
+    bool points = true;   ///< positions of S
+    bool lights = true;   ///< radiances of S
+    bool shadows = true;  ///< shadow maps
+    bool gbuffer = true;
+    bool technique = true;
+  };
+
+  Target target() const { return choose_target(find_technique(settings.technique), settings.target); }
+
+  void open_backend();
+  void make_rasterizer(Backend backend);
+  void drop_rasterizer(const std::string& why);
+  void replan();
+  void prepare();
+  void prepare_lights();
+  void prepare_gbuffer();
+  std::vector<Vec3> irradiance(const std::vector<BouncePoint>& points, uint64_t seed);
+  FrameView view() const;
+
+  Scene scene;
+  RenderSettings settings;
+  Messages& messages;
+  std::unique_ptr<RayScene> rays;
+  std::unique_ptr<GlContext> context;
+  std::unique_ptr<Rasterizer> rasterizer;
+  std::optional<GlDescription> gl;
+  std::string why_backend;
+  Camera camera;
+  Plan plan;
+  LightStage lights;
+  GBuffer gbuffer;
+  std::vector<Vec3> base;
+  std::unique_ptr<Technique> technique;
+  Film film;
+  SessionStats stats;
+  Stale stale;
+  uint32_t round = 0;           ///< of this film; each has its own draws
+  bool frame_is_drawn = false;  ///< continuous target: the current round's S and pixel grid are in place
+};
+
+Session::Session(Scene scene, const RenderSettings& settings, Messages& messages) {
+  Stopwatch watch;
+  impl_ = std::make_unique<Impl>(std::move(scene), settings, messages);
+  HALFLIGHT_CHECK(!impl_->scene.cameras.empty());
+  find_technique(settings.technique);
+  complete_lights(impl_->scene, messages);
+  impl_->rays = std::make_unique<RayScene>(impl_->scene);
+  impl_->camera = impl_->scene.cameras.front();
+  impl_->film = Film(settings.width, settings.height);
+  impl_->open_backend();
+  impl_->replan();
+  impl_->stats.seconds.load = watch.seconds();
+}
+
+Session::~Session() = default;
+
+void Session::Impl::open_backend() {
+  rasterizer.reset(), context.reset(), gl.reset();
+  if (settings.backend == Backend::none) {
+    why_backend = "asked for";
+  } else if (settings.backend == Backend::automatic && !has_graphics_device()) {
+    why_backend = "this machine shows no graphics device, and rays beat a software rasteriser";
+  } else {
+    make_rasterizer(settings.backend);
+  }
+  stale.raster = false;
+  stale.gbuffer = stale.shadows = stale.lights = true;
+}
+
+void Session::Impl::make_rasterizer(Backend backend) {
+  try {
+    context = GlContext::make_headless(backend);
+    if (backend == Backend::automatic && context->description().software) {
+      why_backend =
+          fmt::format("{} is a software rasteriser, and rays beat it", context->description().renderer);
+      context.reset();
+      return;
+    }
+    rasterizer = std::make_unique<Rasterizer>(*context, scene, RasterSettings{}, messages);
+    gl = context->description();
+    why_backend = backend == Backend::automatic ? "a graphics device is there" : "asked for";
+  } catch (const Error& error) {
+    rasterizer.reset(), context.reset();
+    if (backend != Backend::automatic) throw;
+    why_backend = fmt::format("no OpenGL ({})", error.what());
+  }
+}
+
+void Session::Impl::drop_rasterizer(const std::string& why) {
+  messages.warn(fmt::format("OpenGL failed ({}); the picture goes on by rays", why));
+  rasterizer.reset(), context.reset(), gl.reset();
+  why_backend = "OpenGL failed";
+  stale.gbuffer = stale.lights = true;
+  replan();
+}
+
+void Session::Impl::replan() {
+  const std::string raster =
+      gl ? fmt::format("OpenGL {} ({}, {})", gl->version, gl->backend, gl->renderer) : "";
+  plan = make_plan(scene_needs(scene), find_technique(settings.technique), target(), settings.light, raster,
+                   why_backend);
+}
+
+std::vector<Vec3> Session::Impl::irradiance(const std::vector<BouncePoint>& points, uint64_t seed) {
+  PointLighting lighting;
+  lighting.punctual = !plan.shadow_maps;
+  lighting.samples = static_cast<int>(settings.values.get("lights.samples"));
+  lighting.seed = seed;
+  std::vector<Vec3> result = irradiance_by_rays(*rays, points, lighting, stats.rays);
+  if (plan.shadow_maps) {
+    if (stale.shadows) rasterizer->update_shadow_maps();
+    stale.shadows = false;
+    const std::vector<Vec3> punctual = rasterizer->light_points(points);
+    for (size_t i = 0; i < result.size(); ++i) result[i] += punctual[i];
+  }
+  return result;
+}
+
+void Session::Impl::prepare_lights() {
+  const bool redraw = plan.antialiased && !frame_is_drawn;
+  if (!stale.points && !stale.lights && !redraw) return;
+  Stopwatch watch;
+  const uint64_t pass_seed = plan.antialiased ? hash_combine(settings.seed, round + 1) : 0;
+  const uint64_t lighting_seed =
+      plan.antialiased ? pass_seed : static_cast<uint64_t>(settings.values.get("lights.seed"));
+  const LightPointsFunction light_points = [&](const std::vector<BouncePoint>& points) {
+    return irradiance(points, lighting_seed);
+  };
+  if (stale.points || redraw)
+    lights.build(scene, plan.kinds, settings.values, pass_seed, light_points);
+  else
+    lights.relight(scene, settings.values, light_points);
+  stale.points = stale.lights = false;
+  stale.technique = true;
+  stats.light_count = static_cast<uint32_t>(lights.tree().lights.size());
+  stats.cut_size = lights.cut().size;
+  stats.seconds.lights += watch.seconds();
+}
+
+void Session::Impl::prepare_gbuffer() {
+  if (!stale.gbuffer && !(plan.antialiased && !frame_is_drawn)) return;
+  Stopwatch watch;
+  gbuffer.resize(settings.width, settings.height);
+  const Vec2 jitter = plan.antialiased ? pixel_jitter(round) : Vec2(0);
+  const uint32_t alpha_seed = plan.antialiased ? round + 1 : 0;
+  if (rasterizer)
+    rasterizer->draw_gbuffer(camera, jitter, alpha_seed, gbuffer);
+  else
+    trace_gbuffer(*rays, camera, jitter, alpha_seed, gbuffer, stats.rays);
+
+  base.assign(gbuffer.pixel_count(), Vec3(0));
+  if (plan.show_emission)
+    for (size_t i = 0; i < base.size(); ++i)
+      base[i] = gbuffer.texels[i].emission * gbuffer.texels[i].throughput;
+  if (plan.direct_punctual && plan.shadow_maps) {
+    if (stale.shadows) rasterizer->update_shadow_maps();
+    stale.shadows = false;
+    rasterizer->add_punctual(gbuffer, base);
+  } else if (plan.direct_punctual) {
+    add_punctual_by_rays(*rays, gbuffer, alpha_seed, base, stats.rays);
+  }
+  stale.gbuffer = false;
+  stats.seconds.raster += watch.seconds();
+}
+
+void Session::Impl::prepare() {
+  if (stale.raster) {
+    open_backend();
+    replan();
+  }
+  try {
+    prepare_lights();
+    prepare_gbuffer();
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::no_gl || !rasterizer) throw;
+    drop_rasterizer(error.what());
+    prepare_lights();
+    prepare_gbuffer();
+  }
+  frame_is_drawn = true;
+  if (!technique) technique = find_technique(settings.technique).make();
+  if (stale.technique) technique->prepare(view());
+  stale.technique = false;
+}
+
+FrameView Session::Impl::view() const {
+  FrameView frame;
+  frame.scene = &scene;
+  frame.rays = rays.get();
+  frame.gbuffer = &gbuffer;
+  frame.tree = &lights.tree();
+  frame.cut = &lights.cut();
+  frame.settings = &settings.values;
+  frame.base = &base;
+  frame.target = target();
+  frame.seed = settings.seed;
+  frame.alpha_seed = plan.antialiased ? round + 1 : 0;
+  return frame;
+}
+
+uint32_t Session::round_samples(uint32_t total) const {
+  constexpr uint32_t rounds_for_edges = 8, most_in_a_round = 64;
+  const uint32_t wanted = impl_->plan.antialiased ? (total + rounds_for_edges - 1) / rounds_for_edges : total;
+  return std::clamp(wanted, 1u, most_in_a_round);
+}
+
+void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop) {
+  Impl& s = *impl_;
+  if (s.plan.antialiased && offset == 0) s.frame_is_drawn = false;
+  s.prepare();
+  PassRequest request;
+  request.pass = s.round;
+  request.samples = samples;
+  request.stride = stride;
+  request.offset = offset;
+  request.stop = std::move(stop);
+  if (s.plan.antialiased) request.half = static_cast<int>(s.round & 1);
+  const PassStats pass = s.technique->run_pass(s.view(), request, s.film);
+
+  const double threads = thread_count();
+  s.stats.seconds.distribution += pass.distribution_seconds / threads;
+  s.stats.seconds.sampling += pass.sampling_seconds / threads;
+  s.stats.seconds.visibility += pass.visibility_seconds / threads;
+  s.stats.seconds.resolve += pass.resolve_seconds / threads;
+  s.stats.rays += pass.rays;
+  s.stats.useful_rays += pass.useful_rays;
+  ++s.stats.passes;
+  if (offset + 1 == stride * stride) ++s.round;
+}
+
+void Session::restart() {
+  impl_->film = Film(impl_->settings.width, impl_->settings.height);
+  impl_->round = 0;
+  impl_->frame_is_drawn = false;
+  const double load = impl_->stats.seconds.load;
+  const SessionStats before = impl_->stats;
+  impl_->stats = {};
+  impl_->stats.seconds.load = load;
+  impl_->stats.light_count = before.light_count;
+  impl_->stats.cut_size = before.cut_size;
+}
+
+void Session::set_camera(const Camera& camera) {
+  impl_->camera = camera;
+  impl_->stale.gbuffer = true;
+  restart();
+}
+
+void Session::set_settings(const RenderSettings& wanted) {
+  Impl& s = *impl_;
+  if (wanted == s.settings) return;
+  find_technique(wanted.technique);
+  const RenderSettings before = std::exchange(s.settings, wanted);
+  if (wanted.technique != before.technique) s.technique.reset();
+  s.stale.technique = true;
+  s.stale.raster |= wanted.backend != before.backend;
+  s.stale.gbuffer |=
+      wanted.width != before.width || wanted.height != before.height || wanted.light != before.light;
+  s.stale.points |= group_changed(wanted.values, before.values, shared_settings());
+
+  const Plan plan = s.plan;
+  s.replan();
+  s.stale.gbuffer |= plan.direct_punctual != s.plan.direct_punctual ||
+                     plan.shadow_maps != s.plan.shadow_maps || plan.antialiased != s.plan.antialiased;
+  s.stale.points |= !(plan.kinds == s.plan.kinds) || plan.antialiased != s.plan.antialiased;
+  restart();
+}
+
+void Session::edit_lights(const LightEdits& edits) {
+  Impl& s = *impl_;
+  HALFLIGHT_CHECK(edits.emission.size() == s.scene.materials.size());
+  const LightEdits before = light_edits();
+  s.scene.lights = edits.lights;
+  s.scene.environment.rotation = edits.environment_rotation;
+  s.scene.environment.strength = edits.environment_strength;
+  for (size_t i = 0; i < edits.emission.size(); ++i) s.scene.materials[i].emission = edits.emission[i];
+
+  const bool emission_changed = edits.emission != before.emission;
+  if (emission_changed && s.rasterizer) s.rasterizer->update_materials();
+  s.stale.shadows = s.stale.lights = s.stale.gbuffer = true;
+  const LightKinds kinds = s.plan.kinds;
+  s.replan();
+  // Emitter points follow power, distant ones directions, punctual ones places: those lie elsewhere now.
+  s.stale.points |= emission_changed || edits.environment_rotation != before.environment_rotation ||
+                    edits.lights.size() != before.lights.size() || s.plan.kinds.punctual ||
+                    !(kinds == s.plan.kinds);
+  restart();
+}
+
+LightEdits Session::light_edits() const {
+  const Scene& scene = impl_->scene;
+  LightEdits edits{scene.lights, {}, scene.environment.rotation, scene.environment.strength};
+  for (const Material& material : scene.materials) edits.emission.push_back(material.emission);
+  return edits;
+}
+
+FrameView Session::frame() {
+  impl_->prepare();
+  return impl_->view();
+}
+
+const Scene& Session::scene() const { return impl_->scene; }
+const RenderSettings& Session::settings() const { return impl_->settings; }
+const Camera& Session::camera() const { return impl_->camera; }
+const Plan& Session::plan() const { return impl_->plan; }
+const std::optional<GlDescription>& Session::gl() const { return impl_->gl; }
+const Film& Session::film() const { return impl_->film; }
+const GBuffer& Session::gbuffer() const { return impl_->gbuffer; }
+const SessionStats& Session::stats() const { return impl_->stats; }
+
+}  // namespace halflight

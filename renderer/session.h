@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "film/film.h"
+#include "plan.h"
 #include "raster/rasterizer.h"
 #include "scene/camera.h"
 #include "scene/load.h"
@@ -29,13 +30,6 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// One stage of a frame: whether this scene needs it, and why.
-struct PlanStage {
-  std::string stage;  ///< gbuffer, shadow-maps, direct-light, environment-points, surface-points, emitter-points, …
-  bool runs;
-  std::string why;
-};
-
 /// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session did first.
 struct StageSeconds {
   double load = 0, raster = 0, lights = 0, distribution = 0, sampling = 0, visibility = 0, resolve = 0, total = 0;
@@ -49,23 +43,35 @@ struct SessionStats {
   uint32_t light_count = 0, cut_size = 0;
 };
 
+/// What a user may change about the light while the geometry stands.
+struct LightEdits {
+  std::vector<PunctualLight> lights;
+  std::vector<Vec3> emission;  ///< Material::emission, one a material
+  float environment_rotation = 0, environment_strength = 1;
+};
+
 class Session {
  public:
-  /// Takes a loaded scene; completes its camera and lights. Throws Error (exit code 4) when the back end that was
-  /// asked for cannot be had.
+  /// Takes a loaded scene; completes its lights. Throws Error (exit code 4) when the back end that was asked for cannot
+  /// be had. `messages` must outlive the session.
   Session(Scene, const RenderSettings&, Messages&);
   ~Session();
 
   const Scene& scene() const;
   const RenderSettings& settings() const;
   const Camera& camera() const;
-  const std::vector<PlanStage>& plan() const;
+  const Plan& plan() const;
   const std::optional<GlDescription>& gl() const;  ///< nothing where the G-buffer comes from rays
 
   void set_camera(const Camera&);           ///< redraws the G-buffer
   void set_settings(const RenderSettings&);  ///< redoes what the difference asks for
-  /// Lights, environment rotation and strength, emission: geometry stays. Re-lights and re-cuts.
-  void edit_lights(const std::vector<PunctualLight>&, float environment_rotation, float environment_strength);
+  /// Re-lights the points and re-cuts; geometry stays.
+  void edit_lights(const LightEdits&);
+  LightEdits light_edits() const;  ///< as they are now
+
+  /// Samples a pixel for each round when `total` are wanted: many rounds where each redraws S and moves the pixel grid
+  /// (continuous target), few where a round only adds samples to the same frame.
+  uint32_t round_samples(uint32_t total) const;
 
   /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the frame.
   void run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop = {});

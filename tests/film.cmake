@@ -1,1 +1,2 @@
 # Tests of film.
+halflight_unit_test(film_film halflight_film)

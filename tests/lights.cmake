@@ -1,1 +1,13 @@
 # Tests of lights.
+halflight_unit_test(lights_tree halflight_lights)
+halflight_unit_test(lights_cut halflight_lights)
+halflight_unit_test(lights_cut_distribution halflight_lights)
+halflight_unit_test(lights_cut_importance halflight_lights)
+halflight_unit_test(lights_cut_counting halflight_lights)
+halflight_unit_test(techniques_settings halflight_techniques)
+halflight_unit_test(techniques_contract halflight_techniques)
+halflight_unit_test(techniques_bidirectional halflight_techniques)
+halflight_unit_test(lights_points halflight_lights)
+halflight_unit_test(lights_virtual halflight_lights)
+halflight_unit_test(trace_rays halflight_trace)
+halflight_unit_test(trace_lighting halflight_trace)

@@ -1,1 +1,6 @@
 # Tests of raster.
+halflight_unit_test(raster_context halflight_raster)
+halflight_unit_test(raster_gbuffer halflight_raster)
+halflight_unit_test(raster_shadows halflight_raster)
+halflight_unit_test(raster_upload halflight_raster)
+target_link_libraries(test_raster_upload PRIVATE halflight_options ${CMAKE_DL_LIBS})

@@ -36,7 +36,8 @@ class Film {
   /// Variance of the pixel's mean, from the two halves: (A − B)²/4.
   Vec3 variance(uint32_t pixel) const;
 
-  /// relMSE expected of the picture, mean((A−B)²/4 / (r² + (0.01 mean r)²)); negative until both halves have samples.
+  /// relMSE expected of the picture, mean((A−B)²/4 / (r² + (0.01 mean r)²)); negative until both halves have
+  /// samples.
   double estimated_relmse() const;
   uint64_t nan_samples() const { return nan_samples_; }
   void count_nan() { ++nan_samples_; }

@@ -5,39 +5,49 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/image.h"
+#include "core/math.h"
 
 namespace halflight {
 
 /// A named three- or one-channel layer of an EXR, e.g. "Albedo".
 struct ImageLayer {
-  std::string name;                         ///< channels are NAME.R, NAME.G, NAME.B (NAME.X … for vectors)
-  std::vector<std::string> channels;        ///< e.g. {"R", "G", "B"} or {"X", "Y", "Z"}
-  std::vector<float> values;                ///< channels interleaved, row-major
+  std::string name;                   ///< channels are NAME.R, NAME.G, NAME.B (NAME.X … for vectors)
+  std::vector<std::string> channels;  ///< e.g. {"R", "G", "B"} or {"X", "Y", "Z"}
+  std::vector<float> values;          ///< channels interleaved, row-major
 };
 
 /// What goes with the picture into the file.
 struct ImageMetadata {
   std::map<std::string, std::string> text;
   std::map<std::string, double> numbers;
-  std::map<std::string, Mat4> matrices;     ///< worldToCamera, worldToNDC
-  std::vector<ImageLayer> layers;           ///< EXR only
+  std::map<std::string, Mat4> matrices;  ///< worldToCamera, worldToNDC
+  std::vector<ImageLayer> layers;        ///< EXR only
 };
 
 /// Chooses the format by the ending: .exr and .hdr hold radiance, .png the display image of (ev, tonemap).
 /// Throws Error (exit code 2: unknown ending; 1: cannot write).
-struct DisplaySettings { float ev = 0; std::string tonemap = "linear"; };
+struct DisplaySettings {
+  float ev = 0;
+  std::string tonemap = "linear";
+};
 void write_image(const std::filesystem::path&, const ImageRgb&, const DisplaySettings&, const ImageMetadata&);
 
 void write_exr(const std::filesystem::path&, const ImageRgb&, const ImageMetadata&);
 void write_radiance(const std::filesystem::path&, const ImageRgb&, const ImageMetadata&);
 void write_png(const std::filesystem::path&, const ImageRgba8&, const ImageMetadata&);
+/// The file `write_png` would write.
+std::string png_bytes(const ImageRgba8&, const ImageMetadata&);
 
-/// Writes through `write` to a temporary file beside `path`, then renames it; nothing is left behind on failure.
-void write_atomically(const std::filesystem::path&, const std::function<void(const std::filesystem::path&)>& write);
-/// The same for a string.
+/// Writes through `write` to a temporary file beside `path`, then renames it; nothing is left behind on
+/// failure.
+void write_atomically(const std::filesystem::path&,
+                      const std::function<void(const std::filesystem::path&)>& write);
+/// The same for bytes, and for text.
+void write_bytes_atomically(const std::filesystem::path&, std::string_view bytes);
 void write_text_atomically(const std::filesystem::path&, const std::string&);
 
 }  // namespace halflight

@@ -12,8 +12,8 @@ struct ErrorMetrics {
   double relmse = 0;          ///< mean((x−r)²/(r² + (0.01 mean r)²)) over pixels and channels
   double relmse_trimmed = 0;  ///< without the worst 0.1 % of pixels
   double rmse = 0;
-  double smape = 0;           ///< mean(|x−r|/(|x|+|r|)), 0 where both are 0
-  double flip = 0;            ///< mean LDR-FLIP (Andersson et al. 2020) after exposure and sRGB, 67 pixels a degree
+  double smape = 0;  ///< mean(|x−r|/(|x|+|r|)), 0 where both are 0
+  double flip = 0;   ///< mean LDR-FLIP (Andersson et al. 2020) after exposure and sRGB, 67 pixels a degree
 };
 
 /// Both images must have the same size. `exposure_ev` is applied before FLIP only.

@@ -1,1 +1,131 @@
-namespace halflight {}
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+#include "lights/light_tree.h"
+
+namespace halflight {
+
+namespace {
+
+constexpr size_t padding = 16;
+
+/// Largest error first; among equals (a constant environment has none) the strongest, then the earliest.
+struct Refinement {
+  double error, power;
+  uint32_t node;
+
+  bool operator<(const Refinement& o) const {
+    if (error != o.error) return error < o.error;
+    if (power != o.power) return power < o.power;
+    return node > o.node;
+  }
+};
+
+/// |C| var(l) that a cluster of the kind may keep.
+double error_bound(const LightNode& root, const CutSettings& settings) {
+  if (settings.sigma > 0) return static_cast<double>(settings.sigma) * settings.sigma;  // eq. 5
+  const double scale = settings.relative_error * root.mean_radiance();
+  return scale * scale * root.count();
+}
+
+/// Refines one kind's tree; the cluster that errs most is split first (§3.2).
+void refine(const LightTree& tree, uint32_t root, const CutSettings& settings, std::vector<uint32_t>& cut) {
+  const double bound = error_bound(tree.nodes[root], settings);
+  std::priority_queue<Refinement> open;
+  size_t size = 0;
+  const auto add = [&](uint32_t index) {
+    const LightNode& node = tree.nodes[index];
+    if (!(node.power > 0)) return;  // holds nothing that can matter
+    ++size;
+    if (node.left < 0)
+      cut.push_back(index);
+    else
+      open.push({node.error, node.power, index});
+  };
+  add(root);
+  while (!open.empty() && size < settings.most && (open.top().error > bound || size < settings.least)) {
+    const uint32_t index = open.top().node;
+    open.pop();
+    --size;
+    add(static_cast<uint32_t>(tree.nodes[index].left));
+    add(static_cast<uint32_t>(tree.nodes[index].left) + 1);
+  }
+  for (; !open.empty(); open.pop()) cut.push_back(open.top().node);
+}
+
+void resize_padded(Cut& cut, size_t padded) {
+  for (auto* array : {&cut.power, &cut.radiance, &cut.centre_x, &cut.centre_y, &cut.centre_z, &cut.normal_x,
+                      &cut.normal_y, &cut.normal_z, &cut.radius, &cut.low_x, &cut.low_y, &cut.low_z,
+                      &cut.high_x, &cut.high_y, &cut.high_z, &cut.softening, &cut.has_extent})
+    array->assign(padded, 0.0f);
+  for (auto* array : {&cut.measure, &cut.local, &cut.normal_spread}) array->assign(padded, 1.0f);
+  for (auto* array : {&cut.node, &cut.begin, &cut.end}) array->assign(padded, 0);
+  cut.kind.assign(padded, LightKind::surface);
+}
+
+void fill_cluster(Cut& cut, uint32_t k, const LightNode& node) {
+  const bool faces = node.kind == LightKind::surface || node.kind == LightKind::emitter;
+  const bool distant = node.kind == LightKind::environment, punctual = node.kind == LightKind::punctual;
+  const Vec3 normal = faces ? node.normal : Vec3(0);
+  cut.begin[k] = node.begin, cut.end[k] = node.end, cut.kind[k] = node.kind;
+  cut.power[k] = static_cast<float>(node.power / cut.power_unit);
+  cut.radiance[k] = static_cast<float>(node.mean_radiance() / cut.power_unit);
+  cut.measure[k] = node.measure;
+  cut.centre_x[k] = node.centre.x, cut.centre_y[k] = node.centre.y, cut.centre_z[k] = node.centre.z;
+  cut.normal_x[k] = normal.x, cut.normal_y[k] = normal.y, cut.normal_z[k] = normal.z;
+  cut.radius[k] = glm::length(glm::max(node.high - node.centre, node.centre - node.low));
+  cut.low_x[k] = node.low.x, cut.low_y[k] = node.low.y, cut.low_z[k] = node.low.z;
+  cut.high_x[k] = node.high.x, cut.high_y[k] = node.high.y, cut.high_z[k] = node.high.z;
+  cut.local[k] = distant ? 0.0f : 1.0f;
+  cut.normal_spread[k] = faces ? std::max(0.0f, 1 - glm::length(normal)) : 1.0f;
+  cut.softening[k] = distant ? 0.0f : punctual ? square(cut.radius[k]) : node.measure * (0.5f / pi);
+  cut.has_extent[k] = punctual ? 0.0f : 1.0f;
+}
+
+/// The leaves' shares of their cluster in whole numbers, at least 1 where there is light.
+void fill_leaf_prefix(Cut& cut, const LightTree& tree) {
+  cut.leaf_prefix.assign(tree.lights.size() + 1, 0.0);
+  for (auto* array : {&cut.leaf_start, &cut.leaf_total}) array->assign(cut.padded_size(), 0.0);
+  double sum = 0;
+  uint32_t leaf = 0;
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    for (; leaf < cut.begin[k]; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
+    const double scale = 0x1p32 / tree.nodes[cut.node[k]].power;
+    cut.leaf_start[k] = sum;
+    for (; leaf < cut.end[k]; ++leaf) {
+      const double power = leaf_power(tree.lights[leaf]);
+      if (power > 0) sum += std::max(1.0, std::nearbyint(power * scale));
+      cut.leaf_prefix[leaf + 1] = sum;
+    }
+    cut.leaf_total[k] = sum - cut.leaf_start[k];
+  }
+  for (; leaf < tree.lights.size(); ++leaf) cut.leaf_prefix[leaf + 1] = sum;
+}
+
+}  // namespace
+
+Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
+  Cut cut;
+  std::vector<uint32_t> nodes;
+  double power = 0;
+  for (const int32_t root : tree.roots) {
+    if (root < 0) continue;
+    refine(tree, static_cast<uint32_t>(root), settings, nodes);
+    power += tree.nodes[root].power;
+  }
+  std::sort(nodes.begin(), nodes.end(),
+            [&](uint32_t a, uint32_t b) { return tree.nodes[a].begin < tree.nodes[b].begin; });
+
+  cut.size = static_cast<uint32_t>(nodes.size());
+  if (power > 0) cut.power_unit = std::ldexp(1.0, std::ilogb(power) + 1);
+  resize_padded(cut, (nodes.size() + padding - 1) / padding * padding);
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    cut.node[k] = nodes[k];
+    fill_cluster(cut, k, tree.nodes[nodes[k]]);
+  }
+  fill_leaf_prefix(cut, tree);
+  return cut;
+}
+
+}  // namespace halflight

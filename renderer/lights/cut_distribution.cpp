@@ -1,1 +1,227 @@
-namespace halflight {}
+#include "lights/cut_distribution.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/errors.h"
+#include "core/simd.h"
+
+namespace halflight {
+
+namespace {
+
+constexpr size_t block = 16;
+constexpr double share_total = 0x1p40;
+
+// Within the guard, this much is spread evenly over the clusters: a light whose guard is lost beside far
+// stronger ones may still be the only one that is not hidden.
+constexpr double even_share = 0x1p-16;
+
+/// Sum over a padded array, in one fixed order for every vector width.
+HALFLIGHT_SIMD_CLONES double padded_sum(const float* values, size_t count) {
+  std::array<double, block> lane{};
+  for (size_t i = 0; i < count; i += block)
+    for (size_t l = 0; l < block; ++l) lane[l] += values[i + l];
+  double sum = 0;
+  for (const double l : lane) sum += l;
+  return sum;
+}
+
+struct Mixture {
+  double importance_scale, guard_scale, even, least;
+};
+
+/// share = max(least, round(a q̂ + b u + c)); `least` applies where the argument is not zero.
+HALFLIGHT_SIMD_CLONES void round_shares(const float* importance, const float* guard, size_t count,
+                                        const Mixture& mixture, double* share) {
+  const double a = mixture.importance_scale, b = mixture.guard_scale, c = mixture.even;
+#pragma GCC ivdep
+  for (size_t i = 0; i < count; ++i) {
+    const double x = a * importance[i] + b * guard[i] + c;
+    const double whole = (x + 0x1.8p52) - 0x1.8p52;
+    const double least = x > 0 ? 1.0 : 0.0;
+    share[i] = whole > least ? whole : least;
+  }
+}
+
+/// Running sums inside each block, and over blocks; exact, because all are whole numbers below 2^53.
+double running_sums(double* share, double* block_end, size_t blocks) {
+  double total = 0;
+  for (size_t b = 0; b < blocks; ++b) {
+    double sum = 0;
+    for (size_t i = 0; i < block; ++i) share[b * block + i] = sum += share[b * block + i];
+    block_end[b] = total += sum;
+  }
+  return total;
+}
+
+/// How many of 16 ascending numbers do not exceed `target`.
+HALFLIGHT_INLINE size_t count_not_above(const double* ascending, double target) {
+  int64_t count = 0;
+  for (size_t i = 0; i < block; ++i) count += ascending[i] <= target ? 1 : 0;
+  return static_cast<size_t>(count);
+}
+
+/// Leaf of cluster k that `target` falls to, a number in the cluster's part of the running sum. Leaves of a
+/// cluster have similar power, so that it is nearly always among the 16 about the place that equal shares
+/// would give.
+HALFLIGHT_INLINE size_t find_leaf(const Cut& cut, size_t leaf_count, size_t k, double target,
+                                  double fraction) {
+  const size_t begin = cut.begin[k], end = cut.end[k];
+  const auto guess =
+      begin + static_cast<size_t>(static_cast<int64_t>(fraction * static_cast<int32_t>(end - begin)));
+  // ends[i] is the sum after leaf i: ascending over all leaves, so that a window may reach over the cluster's
+  // edges.
+  const double* ends = cut.leaf_prefix.data() + 1;
+  if (leaf_count >= block) {
+    const size_t first = std::min(guess - std::min(guess, block / 2), leaf_count - block);
+    const size_t below = count_not_above(ends + first, target);
+    if (below < block && (below > 0 || first == 0)) return first + below;
+  }
+  return static_cast<size_t>(std::upper_bound(ends + begin, ends + end, target) - ends);
+}
+
+// The weight 1/P of a leaf, the same bits for draws and for those who ask.
+HALFLIGHT_INLINE float uniform_weight(double total, double cluster_share, double leaves) {
+  return static_cast<float>(total * leaves / cluster_share);
+}
+HALFLIGHT_INLINE float power_weight(double total, double cluster_share, double sum, double leaf_share) {
+  return static_cast<float>(total * sum / (cluster_share * leaf_share));
+}
+
+double leaf_share_of(const Cut& cut, uint32_t leaf) {
+  return cut.leaf_prefix[leaf + 1] - cut.leaf_prefix[leaf];
+}
+
+struct Tables {
+  const double *share, *block_end;
+  double total;
+};
+
+/// A draw half done: its cluster, that cluster's share, and what is left of the number, in [0, 1).
+struct ClusterDraw {
+  uint32_t cluster;
+  double share, fraction;
+};
+
+constexpr size_t most_in_a_run = 64;
+
+/// Finds the clusters of draws [first, first + count) of `of`; apart from the leaves, so that their look-ups
+/// overlap.
+HALFLIGHT_SIMD_CLONES void draw_clusters(const Tables& tables, RandomStream& random, size_t first,
+                                         size_t count, size_t of, ClusterDraw* out) {
+  const double step = tables.total / static_cast<double>(of), last = std::nextafter(tables.total, 0.0);
+  size_t b = 0;
+  double block_start = 0;
+  for (size_t j = 0; j < count; ++j) {
+    const double jitter = static_cast<double>(static_cast<int64_t>(random.next_bits() >> 20)) * 0x1p-44;
+    const double target =
+        std::min((static_cast<double>(static_cast<int64_t>(first + j)) + jitter) * step, last);
+    while (tables.block_end[b] <= target) block_start = tables.block_end[b++];
+    const double* share = tables.share + b * block;
+    const double inside = target - block_start;
+    const size_t below = count_not_above(share, inside);
+    const double lower = below > 0 ? share[below - 1] : 0.0;
+    const double cluster_share = share[below] - lower;
+    out[j] = {static_cast<uint32_t>(b * block + below), cluster_share, (inside - lower) / cluster_share};
+  }
+}
+
+/// Picks the leaves with what is left of the numbers, so that strata run along the leaves.
+HALFLIGHT_SIMD_CLONES void draw_leaves(const Cut& cut, const Tables& tables, const ClusterDraw* draws,
+                                       size_t count, LightSample* out) {
+  const size_t leaf_count = cut.leaf_prefix.size() - 1;
+  const double* prefix = cut.leaf_prefix.data();
+  for (size_t j = 0; j < count; ++j) {
+    const size_t k = draws[j].cluster;
+    const double fraction = draws[j].fraction, start = cut.leaf_start[k], total = cut.leaf_total[k];
+    // Shares are whole: half below the end falls to the last that is not empty, should the sum be rounded up
+    // to it.
+    const double target = std::min(start + fraction * total, start + total - 0.5);
+    const size_t leaf = find_leaf(cut, leaf_count, k, target, fraction);
+    out[j] = {static_cast<uint32_t>(leaf),
+              power_weight(tables.total, draws[j].share, total, prefix[leaf + 1] - prefix[leaf])};
+  }
+}
+
+void draw_leaves_alike(const Cut& cut, const Tables& tables, const ClusterDraw* draws, size_t count,
+                       LightSample* out) {
+  for (size_t j = 0; j < count; ++j) {
+    const uint32_t begin = cut.begin[draws[j].cluster], leaves = cut.end[draws[j].cluster] - begin;
+    out[j] = {begin + static_cast<uint32_t>(draws[j].fraction * leaves),
+              uniform_weight(tables.total, draws[j].share, leaves)};
+  }
+}
+
+bool usable(double sum) { return sum > 0 && std::isfinite(sum); }
+
+}  // namespace
+
+std::span<float> CutDistribution::importance(const Cut& cut) {
+  importance_.resize(cut.padded_size());
+  return importance_;
+}
+
+bool CutDistribution::build(const Cut& cut, std::span<const float> guard, float alpha, LeafRule rule) {
+  rule_ = rule;
+  total_ = 0;
+  const size_t padded = cut.padded_size();
+  if (cut.size == 0) return false;
+  HALFLIGHT_CHECK(importance_.size() == padded && (alpha == 0 || guard.size() == padded));
+  share_.resize(padded);
+  block_end_.resize(padded / block);
+
+  std::fill(importance_.begin() + cut.size, importance_.end(), 0.0f);
+  const float* guard_or_any = alpha > 0 ? guard.data() : importance_.data();
+  const double importance_sum = padded_sum(importance_.data(), padded);
+  const double guard_sum = alpha > 0 ? padded_sum(guard_or_any, padded) : 0;
+  const bool has_importance = usable(importance_sum), has_guard = usable(guard_sum);
+  if (!has_importance && alpha == 0) return false;
+
+  const double guard_weight = share_total * (has_importance ? alpha : 1.0);
+  Mixture mixture{};
+  mixture.importance_scale = has_importance ? share_total * (1.0 - alpha) / importance_sum : 0;
+  mixture.guard_scale = has_guard ? guard_weight * (1 - even_share) / guard_sum : 0;
+  mixture.even = alpha > 0 ? guard_weight * (has_guard ? even_share : 1.0) / cut.size : 0;
+  if (!has_importance) std::fill(importance_.begin(), importance_.end(), 0.0f);
+  if (alpha > 0 && !has_guard)
+    round_shares(importance_.data(), importance_.data(), padded, mixture, share_.data());
+  else
+    round_shares(importance_.data(), guard_or_any, padded, mixture, share_.data());
+  std::fill(share_.begin() + cut.size, share_.end(), 0.0);
+  total_ = running_sums(share_.data(), block_end_.data(), block_end_.size());
+  return total_ > 0;
+}
+
+double CutDistribution::cluster_share(uint32_t k) const {
+  return share_[k] - (k % block ? share_[k - 1] : 0.0);
+}
+
+double CutDistribution::cluster_probability(uint32_t k) const { return cluster_share(k) / total_; }
+
+double CutDistribution::probability(const Cut& cut, uint32_t k, uint32_t leaf) const {
+  const uint32_t count = cut.end[k] - cut.begin[k];
+  const double inside =
+      rule_ == LeafRule::uniform ? 1.0 / count : leaf_share_of(cut, leaf) / cut.leaf_total[k];
+  return cluster_share(k) / total_ * inside;
+}
+
+float CutDistribution::weight(const Cut& cut, uint32_t k, uint32_t leaf) const {
+  if (rule_ == LeafRule::uniform) return uniform_weight(total_, cluster_share(k), cut.end[k] - cut.begin[k]);
+  return power_weight(total_, cluster_share(k), cut.leaf_total[k], leaf_share_of(cut, leaf));
+}
+
+void CutDistribution::draw(const Cut& cut, RandomStream& random, std::span<LightSample> out) const {
+  const Tables tables{share_.data(), block_end_.data(), total_};
+  std::array<ClusterDraw, most_in_a_run> run;
+  for (size_t first = 0; first < out.size(); first += most_in_a_run) {
+    const size_t count = std::min(most_in_a_run, out.size() - first);
+    draw_clusters(tables, random, first, count, out.size(), run.data());
+    if (rule_ == LeafRule::uniform)
+      draw_leaves_alike(cut, tables, run.data(), count, out.data() + first);
+    else
+      draw_leaves(cut, tables, run.data(), count, out.data() + first);
+  }
+}
+
+}  // namespace halflight

@@ -12,34 +12,46 @@ namespace halflight {
 /// A light drawn with its weight: E[weight · 1{light = i}] = 1 for every light that can matter.
 struct LightSample {
   uint32_t light;  ///< position in the tree's order
-  float weight;    ///< 1 / (P(light)); the average over N draws estimates the sum over S
+  float weight;    ///< 1 / P(light); the average over N draws estimates the sum over S
 };
 
-/// Scratch memory for one thread; reused from pixel to pixel without allocation.
+/// How a leaf is chosen inside its cluster: ∝ Φ_i, or each alike (Wang & Åkerlund §3.2).
+enum class LeafRule { by_power, uniform };
+
+/// Probabilities over clusters, for one thread; reused from pixel to pixel without allocation. Shares are
+/// whole numbers with a sum near 2^40, so that every sum of them is exact, ΣP = 1 and P is what the search
+/// really gives.
 class CutDistribution {
  public:
-  /// Importance per cluster to fill before `build`; at least `padded_size` floats.
+  /// Importance per cluster to fill before `build`: `padded_size` floats, ≥ 0. What lies past `size` is
+  /// ignored.
   std::span<float> importance(const Cut&);
 
-  /// Prefix sums of the importances, mixed with the guard: q = (1 − α) q̂/Σq̂ + α u, u_k ∝ guard_k; q = u where Σq̂ = 0
-  /// or not finite. Returns false when nothing can be drawn (no power).
-  bool build(const Cut&, std::span<const float> guard, float alpha);
+  /// Mixes the importances with the guard: q = (1 − α) q̂/Σq̂ + α u, u_k ∝ guard_k; q = u where Σq̂ = 0 or not
+  /// finite. With α > 0 every cluster keeps a probability above 0; with α = 0 (no guard needed) the zeros of
+  /// q̂ stay. Returns false when nothing can be drawn.
+  bool build(const Cut&, std::span<const float> guard, float alpha, LeafRule rule = LeafRule::by_power);
 
-  /// Probability of cluster k: the difference of the prefix sums the search uses.
+  /// Probability of cluster k.
   double cluster_probability(uint32_t k) const;
 
-  /// P(i) of a leaf: cluster probability × Φ_i / Φ_k, from the rounded differences the search uses.
-  double probability(const LightTree&, const Cut&, uint32_t k, uint32_t leaf) const;
+  /// P(i) of a leaf of cluster k.
+  double probability(const Cut&, uint32_t k, uint32_t leaf) const;
+
+  /// The weight a draw of the leaf gets.
+  float weight(const Cut&, uint32_t k, uint32_t leaf) const;
 
   /// N stratified draws u_j = (j + ξ_j)/N along the leaves in tree order, written to `out` (N = out.size()).
-  void draw(const LightTree&, const Cut&, RandomStream&, std::span<LightSample> out) const;
+  void draw(const Cut&, RandomStream&, std::span<LightSample> out) const;
 
  private:
-  std::vector<float> importance_;
-  std::vector<double> prefix_;
-};
+  double cluster_share(uint32_t k) const;
 
-/// The guard u_k ∝ Φ_k/(r_k² + R_k²), at infinity Φ_k, each kind normalised to its share of Σ Φ-weights at x.
-void guard_importance(const Cut&, Vec3 x, std::span<float> out);
+  std::vector<float> importance_;
+  std::vector<double> share_;      ///< running sum inside each block of 16 clusters
+  std::vector<double> block_end_;  ///< running sum over blocks
+  double total_ = 0;
+  LeafRule rule_ = LeafRule::by_power;
+};
 
 }  // namespace halflight

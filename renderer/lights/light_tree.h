@@ -1,4 +1,5 @@
-// The light tree and the illumination cut (Wang & Åkerlund §3.2): binary trees over S, one a kind, under one root.
+// The light tree and the illumination cut (Wang & Åkerlund §3.2): binary trees over S, one a kind, in one
+// array.
 #pragma once
 
 #include <array>
@@ -10,56 +11,75 @@
 
 namespace halflight {
 
-/// A node covers the leaves [begin, end) of the tree's order. Leaves of the tree are nodes with end = begin + 1.
+/// A node covers the leaves [begin, end) of the tree's order. Leaves of the tree are nodes with end = begin
+/// + 1.
 struct LightNode {
-  Vec3 low, high;      ///< box of positions (of directions, at infinity)
+  Vec3 low, high;  ///< box of positions (of directions, at infinity)
   uint32_t begin, end;
-  int32_t left = -1;   ///< right is left + 1; −1: a leaf
-  float measure = 0;   ///< A_k or Ω_k: Σ A_i
-  double power = 0;    ///< Σ Φ_i
-  float error = 0;     ///< |C| var(l), variance weighted by measure: the cut's refinement criterion
-  Vec3 centre{0};      ///< measure-weighted mean position (at infinity: unit mean direction)
-  Vec3 normal{0};      ///< mean normal, not unit: its length tells how much the normals agree
+  int32_t left = -1;  ///< right is left + 1; −1: a leaf
+  float measure = 0;  ///< A_k or Ω_k: Σ A_i
+  double power = 0;   ///< Σ Φ_i
+  double error = 0;  ///< |C| var(l), variance weighted by measure, radiance²: the cut's refinement criterion
+  Vec3 centre{0};    ///< measure-weighted mean position (at infinity: unit mean direction)
+  Vec3 normal{0};    ///< mean normal, not unit: its length tells how much the normals agree
   LightKind kind = LightKind::surface;
 
   uint32_t count() const { return end - begin; }
+  double mean_radiance() const { return measure > 0 ? power / measure : 0; }  ///< l_k
 };
 
 struct LightTree {
-  std::vector<LightNode> nodes;
+  std::vector<LightNode> nodes;  ///< children stand after their parent
   std::array<int32_t, light_kind_count> roots{-1, -1, -1, -1};
-  std::vector<VirtualLight> lights;    ///< in tree order: neighbours in the array are neighbours in space
-  std::vector<uint32_t> original;      ///< tree position → index in the array the tree was built from
-  std::vector<double> power_prefix;    ///< Σ Φ of leaves before i; size lights + 1
+  std::vector<VirtualLight> lights;  ///< in tree order: neighbours in the array are neighbours in space
+  std::vector<uint32_t> original;    ///< tree position → index in the array the tree was built from
 };
 
-/// Builds topology and order from positions and normals; radiances are aggregated too.
+/// Φ_i in double, where neither 1e-30 nor 1e30 leaves the range; 0 where the radiance is not finite or
+/// negative.
+double leaf_power(const VirtualLight&);
+
+/// Builds topology and order from positions and normals; radiances are aggregated too. Positions must be
+/// finite. The same tree for any number of threads.
 LightTree build_light_tree(std::vector<VirtualLight> lights);
 
 /// Takes new radiances (in the original order) and aggregates them; topology stays.
 void relight(LightTree&, std::span<const Vec3> radiance);
 
 struct CutSettings {
-  float relative_error = 0.05f;  ///< ε: refine while |C| var(l) > ε² (ΣΦ)²/|S| of the kind
-  float sigma = 0;               ///< > 0: the paper's absolute σ instead (eq. 5; the paper uses 5)
-  uint32_t least = 64;           ///< nodes for each kind that is lit
+  float relative_error =
+      0.05f;  ///< ε: refine while |C| var(l) > ε² |S| l̄² of the kind (= ε² (ΣΦ)²/|S| for equal A_i)
+  float sigma = 0;      ///< > 0: the paper's absolute σ instead (eq. 5; the paper uses 5)
+  uint32_t least = 64;  ///< nodes for each kind that is lit
   uint32_t most = 1024;
 };
 
-/// The illumination cut: disjoint clusters that cover every lit leaf, in tree order. Arrays are padded to a multiple of
-/// 16 with clusters of no power, for SIMD loops.
+/// The illumination cut: disjoint clusters that cover every lit leaf, in tree order. Arrays of clusters are
+/// padded to a multiple of 16 with clusters of no power, for SIMD loops.
 struct Cut {
   uint32_t size = 0;
+  double power_unit = 1;  ///< a power of two; `power` and `radiance` are in units of it
   std::vector<uint32_t> node;
-  std::vector<uint32_t> begin, end;           ///< leaf ranges
-  std::vector<float> power;                   ///< Φ_k = Σ Φ_i
-  std::vector<float> radiance;                ///< l_k = Φ_k / measure
-  std::vector<float> measure;                 ///< A_k (Ω_k at infinity)
+  std::vector<uint32_t> begin, end;  ///< leaf ranges
+  std::vector<float> power;          ///< Φ_k = Σ Φ_i, in (0, 1]; may round to 0 beside far stronger ones
+  std::vector<float> radiance;       ///< l_k = Φ_k / measure
+  std::vector<float> measure;        ///< A_k (Ω_k at infinity)
   std::vector<float> centre_x, centre_y, centre_z;
-  std::vector<float> normal_x, normal_y, normal_z;
-  std::vector<float> radius;                  ///< half diagonal of the box
+  std::vector<float> normal_x, normal_y, normal_z;  ///< mean normal; 0 where emission does not depend on it
+  std::vector<float> radius;                        ///< distance from the centre to the box's farthest corner
   std::vector<float> low_x, low_y, low_z, high_x, high_y, high_z;
   std::vector<LightKind> kind;
+
+  std::vector<float> local;          ///< 1; 0 at infinity
+  std::vector<float> normal_spread;  ///< 1 − |mean normal|; 1 where emission does not depend on a normal
+  std::vector<float> softening;  ///< a of Φ c'/(r² + a c'): A_k/2π; 0 at infinity; R_k² for punctual lights
+  std::vector<float> has_extent;  ///< 1 where a ray can hit the cluster; 0 for punctual lights
+
+  /// Running sum of the leaves' shares before leaf i, size lights + 1. Shares are whole numbers, near 2^32
+  /// Φ_i/Φ_k in cluster k and at least 1 where Φ_i > 0: sums of whole numbers are exact, so that P from
+  /// differences is the probability a search really gives.
+  std::vector<double> leaf_prefix;
+  std::vector<double> leaf_start, leaf_total;  ///< of each cluster: the sum before it, and its own
 
   size_t padded_size() const { return power.size(); }
 };

@@ -52,10 +52,14 @@ class Rasterizer {
   /// Draws and reads back the G-buffer; same meaning of `jitter` and `alpha_seed` as `trace_gbuffer`.
   void draw_gbuffer(const Camera&, Vec2 jitter, uint32_t alpha_seed, GBuffer&);
 
+  /// Takes the scene's material parameters again (not their textures).
+  void update_materials();
+
   /// Draws the shadow maps of all punctual lights; call again when a light's place changes.
   void update_shadow_maps();
 
-  /// Irradiance from the punctual lights on both sides of each point in one draw, read back (2·i front, 2·i + 1 back).
+  /// Irradiance from the punctual lights on both sides of each point in one draw, read back (2·i front, 2·i +
+  /// 1 back).
   std::vector<Vec3> light_points(const std::vector<BouncePoint>&);
 
   /// D_punctual of the G-buffer drawn last, by shadow maps: f · cos θ · E, added to `radiance` (one a pixel).

@@ -1,1 +1,142 @@
-namespace halflight {}
+#include "scene/environment.h"
+
+#include <filesystem>
+
+#include "core/parallel.h"
+#include "scene/image_files.h"
+
+namespace halflight {
+
+namespace {
+
+/// Where a unit direction falls in the unrotated map.
+Vec2 map_uv(Vec3 d) {
+  const float u = 0.5f + std::atan2(d.x, -d.z) / (2 * pi);
+  const float v = std::acos(std::clamp(d.y, -1.0f, 1.0f)) / pi;
+  return {u < 1 ? u : 0.0f, v};
+}
+
+Vec3 map_direction(Vec2 uv) {
+  const float phi = 2 * pi * (uv.x - 0.5f), theta = pi * uv.y, sin_theta = std::sin(theta);
+  return {sin_theta * std::sin(phi), std::cos(theta), -sin_theta * std::cos(phi)};
+}
+
+/// Turns about +y by `angle`, counter-clockwise seen from above.
+Vec3 turn_about_up(Vec3 d, float angle) {
+  const float c = std::cos(angle), s = std::sin(angle);
+  return {c * d.x + s * d.z, d.y, -s * d.x + c * d.z};
+}
+
+size_t clean_texels(ImageRgb& image) {
+  size_t bad = 0;
+  for (Vec3& texel : image.pixels) {
+    if (is_finite(texel) && std::min({texel.x, texel.y, texel.z}) >= 0) continue;
+    texel = Vec3(0);
+    ++bad;
+  }
+  return bad;
+}
+
+/// Debevec's angular map at a direction, bilinear: r = φ/π from the centre, which looks along −z.
+Vec3 angular_value(const ImageRgb& image, Vec3 d) {
+  const float flat = std::sqrt(d.x * d.x + d.y * d.y);
+  const float r = std::atan2(flat, -d.z) / pi;
+  const Vec2 unit = flat > 0 ? Vec2(d.x, d.y) / flat * r : Vec2(0);
+  const Vec2 p(0.5f * (unit.x + 1) * static_cast<float>(image.width) - 0.5f,
+               0.5f * (1 - unit.y) * static_cast<float>(image.height) - 0.5f);
+  const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
+  const auto texel = [&](int i, int j) {
+    return image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1));
+  };
+  const float fx = p.x - static_cast<float>(x), fy = p.y - static_cast<float>(y);
+  return glm::mix(glm::mix(texel(x, y), texel(x + 1, y), fx),
+                  glm::mix(texel(x, y + 1), texel(x + 1, y + 1), fx), fy);
+}
+
+/// Latitude-longitude map of an angular one, each texel the mean of 4×4 directions in it.
+ImageRgb resample_angular(const ImageRgb& image) {
+  constexpr int pieces = 4;
+  ImageRgb map(2 * image.height, image.height);
+  parallel_for(0, static_cast<size_t>(map.height), 8, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      for (int x = 0; x < map.width; ++x) {
+        Vec3 sum(0);
+        for (int i = 0; i < pieces * pieces; ++i) {
+          const Vec2 inside((static_cast<float>(i % pieces) + 0.5f) / pieces,
+                            (static_cast<float>(i / pieces) + 0.5f) / pieces);
+          sum += angular_value(image, map_direction((Vec2(x, y) + inside) / Vec2(map.width, map.height)));
+        }
+        map.at(x, static_cast<int>(y)) = sum / static_cast<float>(pieces * pieces);
+      }
+    }
+  });
+  return map;
+}
+
+}  // namespace
+
+Vec2 environment_uv(const Environment& environment, Vec3 direction) {
+  return map_uv(turn_about_up(direction, -environment.rotation));
+}
+
+Vec3 environment_direction(const Environment& environment, Vec2 uv) {
+  return turn_about_up(map_direction(uv), environment.rotation);
+}
+
+Vec3 environment_radiance(const Environment& environment, Vec3 direction) {
+  if (!environment.present()) return Vec3(0);
+  const Vec2 uv = environment_uv(environment, direction);
+  const int x =
+      std::min(static_cast<int>(uv.x * static_cast<float>(environment.map.width)), environment.map.width - 1);
+  const int y = std::min(static_cast<int>(uv.y * static_cast<float>(environment.map.height)),
+                         environment.map.height - 1);
+  return environment.map.at(x, y) * environment.strength;
+}
+
+float texel_solid_angle(const Environment& environment, int y) {
+  // In double: the difference of two cosines near the pole.
+  constexpr double pi_d = 3.141592653589793;
+  const double top = std::cos(pi_d * y / environment.map.height),
+               low = std::cos(pi_d * (y + 1) / environment.map.height);
+  return static_cast<float>((top - low) * 2 * pi_d / environment.map.width);
+}
+
+Environment make_environment(ImageRgb image, std::string name, EnvironmentLayout layout) {
+  Environment environment;
+  environment.name = std::move(name);
+  environment.bad_texels = clean_texels(image);
+  const bool angular = layout == EnvironmentLayout::angular ||
+                       (layout == EnvironmentLayout::automatic && image.width == image.height);
+  environment.map = angular ? resample_angular(image) : std::move(image);
+  return environment;
+}
+
+Environment built_in_sky() {
+  ImageRgb map(512, 256);
+  const Vec3 sun = glm::normalize(Vec3(-0.55f, 0.62f, -0.40f));
+  const Vec3 zenith(0.22f, 0.42f, 0.85f), horizon(0.85f, 0.92f, 1.0f), ground(0.20f, 0.18f, 0.16f);
+  const Vec3 warm(1.0f, 0.86f, 0.66f);
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      const Vec3 d = map_direction({(x + 0.5f) / map.width, (y + 0.5f) / map.height});
+      const float height = std::max(d.y, 0.0f), towards_sun = std::max(glm::dot(d, sun), 0.0f);
+      const Vec3 sky = glm::mix(horizon, zenith, 1 - std::pow(1 - height, 3.0f));
+      // A hazy sun: a broad glow about a soft disc.
+      const Vec3 glow = warm * (0.9f * std::pow(towards_sun, 12.0f) + 45.0f * std::pow(towards_sun, 900.0f));
+      const float above = glm::smoothstep(-0.03f, 0.03f, d.y);
+      map.at(x, y) = glm::mix(ground * (1 + 0.4f * d.y), sky + glow, above);
+    }
+  }
+  return make_environment(std::move(map), "built-in sky", EnvironmentLayout::latlong);
+}
+
+Environment load_environment(const std::filesystem::path& path, const LoadLimits& limits,
+                             Messages& messages) {
+  Environment environment = make_environment(read_image(path, limits), path.string());
+  if (environment.bad_texels > 0)
+    messages.warn(fmt::format("{}: {} texels are not finite or negative; they are black now", path.string(),
+                              environment.bad_texels));
+  return environment;
+}
+
+}  // namespace halflight

@@ -48,7 +48,21 @@ Scene load_scene(const std::string& name_or_path, const LoadOptions&, Messages&)
 /// by `complete_lights` (trace/completion.h), which needs rays to know whether the camera stands enclosed.
 void complete_camera(Scene&, Messages&);
 
-/// Writes a scene as .glb (and its environment as .hdr beside it), so that it can be opened elsewhere.
-void write_glb(const Scene&, const std::filesystem::path&);
+/// A picture that goes beside a .glb under `name`: the environment, a projector's slide.
+struct SidePicture {
+  std::string name;
+  ImageRgb image;
+};
+
+/// A scene as a glTF 2.0 binary file, with the pictures that it names.
+struct GlbFile {
+  std::string bytes;
+  std::vector<SidePicture> pictures;
+};
+
+/// The scene as `stem`.glb, so that it can be opened elsewhere; the environment is `stem`.hdr, slides are
+/// `stem`-slide-N.hdr. Triangles come grouped by material. Throws Error (exit code 1) where it exceeds the 4 GiB of the
+/// format. The caller writes the files (film/image_writers.h writes them whole or not at all).
+GlbFile make_glb(const Scene&, const std::string& stem);
 
 }  // namespace halflight

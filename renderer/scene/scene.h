@@ -46,7 +46,7 @@ struct Camera {
   Vec3 right{1, 0, 0}, up{0, 1, 0}, back{0, 0, 1};  ///< orthonormal; view direction is −back
   float vertical_fov = pi / 4;                      ///< radians
   float half_height = 1;                            ///< orthographic: half of the height seen
-  bool generated = false;                           ///< made by `frame_camera`, not by a file
+  bool generated = false;                           ///< made by `complete_camera`, not by a file
 };
 
 /// Where the scene came from and what was made of it; printed by `info`.
@@ -68,7 +68,7 @@ struct Scene {
   std::vector<Texture> textures;
   std::vector<ImageRgb> pictures;           ///< projectors' slides, linear
   std::vector<PunctualLight> lights;
-  std::vector<Camera> cameras;              ///< at least one after `complete_scene`
+  std::vector<Camera> cameras;              ///< at least one after `complete_camera`
   Environment environment;
   Aabb bounds;                              ///< of the triangles
   SceneFacts facts;
@@ -88,7 +88,7 @@ inline float surface_epsilon(const Scene& scene, Vec3 p) {
   return 0x1p-19f * max_component(glm::abs(p)) + 0x1p-21f * max_component(extreme);
 }
 
-/// Recomputes `bounds`.
+/// Recomputes `bounds` from the vertices that triangles use; empty where there is no triangle.
 void update_bounds(Scene&);
 
 }  // namespace halflight

@@ -1,5 +1,5 @@
-// From a point on a triangle to what light sees there: textures, normal map, BRDF parameters, emission, alpha.
-// shaders/surface.glsl does the same on the GPU; a test holds the two against each other.
+// From a point on a triangle to what light sees there: textures, normal map, BRDF parameters, emission,
+// alpha. shaders/surface.glsl does the same on the GPU; a test holds the two against each other.
 #pragma once
 
 #include "scene/gbuffer.h"
@@ -13,7 +13,9 @@ struct SurfacePoint {
   Vec2 barycentric;
 };
 
-/// Texture value at uv after the use's transform, linear RGBA; white where the use is empty. Bilinear at full resolution.
+/// Texture value at uv after the use's transform, linear RGBA; white where the use is empty. Bilinear (or
+/// nearest) at full resolution with OpenGL's texel centres and wrap modes; sRGB texels are decoded before
+/// they are filtered.
 Vec4 texture_value(const Scene&, const TextureUse&, const Vec2 uv[2]);
 
 /// Position interpolated over the triangle.
@@ -22,18 +24,23 @@ Vec3 surface_position(const Scene&, SurfacePoint);
 /// Coverage in [0, 1]: 1 for opaque materials, 0 or 1 for masks, base colour alpha for blends.
 float surface_alpha(const Scene&, SurfacePoint);
 
-/// Whether the point stands in the way of a ray: alpha against a hash of the point (Wyman & McGuire 2017, hashed alpha
-/// testing). With `seed` fixed the scene is one fixed opaque scene; over seeds the mean is blending.
+/// Whether the point stands in the way of a ray: alpha against a hash of the point (Wyman & McGuire 2017,
+/// hashed alpha testing). With `seed` fixed the scene is one fixed opaque scene; over seeds the mean is
+/// blending.
 bool surface_blocks(const Scene&, SurfacePoint, uint32_t seed);
 
-/// Radiance emitted at the point towards `side` of the geometric normal (+1 front, −1 back).
+/// Radiance emitted at the point towards `side` of the geometric normal (+1 front, −1 back); single-sided
+/// materials emit from the front only. Unlit surfaces are seen by the camera but light nothing: 0.
 Vec3 surface_emission(const Scene&, SurfacePoint, int side);
 
-/// Everything a pixel keeps about the point, seen from direction `wo`. Normals are turned to wo's side, and a shading
-/// normal that would face away is bent until it does not.
+/// Everything a pixel keeps about the point, seen from unit direction `wo`. The front side's normals (vertex
+/// normal on the winding's side, then the normal texture in the frame T ⟂ N, B = w · N × T) are turned
+/// together to wo's side of the triangle; a shading normal n with n·wo < 1e-3 becomes normalize(n + (1e-3 −
+/// n·wo) wo). Unlit: no BRDF, the base colour is the emission.
 GBufferTexel shade_surface(const Scene&, SurfacePoint, Vec3 wo);
 
-/// BRDF of a material with its textures at the point (normals aside).
+/// BRDF of a material with its textures at the point (normals aside). GGX: F0 of KHR_materials_ior and
+/// specular mixed with the base colour by metallic, α = roughness², α_t = mix(α, 1, anisotropy²).
 Brdf surface_brdf(const Scene&, SurfacePoint);
 
 }  // namespace halflight

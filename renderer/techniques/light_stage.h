@@ -13,6 +13,8 @@ namespace halflight {
 /// Which kinds of light S holds for this scene, selection and technique.
 struct LightKinds {
   bool environment = false, emitters = false, surfaces = false, punctual = false;
+
+  bool operator==(const LightKinds&) const = default;
 };
 
 /// Finds irradiance on both sides of each bounce point; raster, rays or both stand behind it.
@@ -22,11 +24,13 @@ struct LightStageTimes {
   double points = 0, lighting = 0, tree = 0, cut = 0;  ///< seconds
 };
 
-/// Keeps the points while the geometry stands, re-lights them when a light changes, re-cuts when radiance changes.
+/// Keeps the points while the geometry stands, re-lights them when a light changes, re-cuts when radiance
+/// changes.
 class LightStage {
  public:
   /// Places the points and builds everything. `pass_seed` ≠ 0 redraws independent points (continuous target).
-  void build(const Scene&, const LightKinds&, const SettingValues&, uint64_t pass_seed, const LightPointsFunction&);
+  void build(const Scene&, const LightKinds&, const SettingValues&, uint64_t pass_seed,
+             const LightPointsFunction&);
   /// Only colours or intensities changed: same points and topology.
   void relight(const Scene&, const SettingValues&, const LightPointsFunction&);
 

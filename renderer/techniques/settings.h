@@ -1,4 +1,5 @@
-// Numbers a user can set with `--set KEY=VALUE`: one table gives CLI, config files, help and the window's sliders.
+// Numbers a user can set with `--set KEY=VALUE`: one table gives CLI, config files, help and the window's
+// sliders.
 #pragma once
 
 #include <map>
@@ -17,8 +18,8 @@ struct SettingInfo {
   std::span<const std::string_view> choices{};  ///< named values instead of numbers
 };
 
-/// Settings of the light set and the cut, shared by all techniques: lights.count, lights.seed, lights.repulsion,
-/// lights.samples, cut.error, cut.sigma, cut.least, cut.most.
+/// Settings of the light set and the cut, shared by all techniques: lights.count, lights.seed,
+/// lights.repulsion, lights.samples, cut.error, cut.sigma, cut.least, cut.most.
 std::span<const SettingInfo> shared_settings();
 /// Shared settings and those of every technique, in listing order.
 std::vector<const SettingInfo*> all_settings();
@@ -26,7 +27,8 @@ std::vector<const SettingInfo*> all_settings();
 /// Values a user has set; everything else has its default.
 class SettingValues {
  public:
-  /// Throws Error (exit code 2) for an unknown key, a value that is no number or choice, or one out of bounds.
+  /// Throws Error (exit code 2) for an unknown key, a value that is no number or choice, or one out of
+  /// bounds.
   void set(std::string_view key, std::string_view value);
   /// `key` must exist in the table.
   double get(std::string_view key) const;

@@ -1,9 +1,11 @@
-// A technique: how the light of S (or of the scene itself) is sampled at a pixel. Virtual per pass, never per sample.
+// A technique: how the light of S (or of the scene itself) is sampled at a pixel. Virtual per pass, never per
+// sample.
 //
-// To add one: a file in this folder with its citation, estimator and target; a line in registry.cpp. It then appears in
-// the window, the command line and the reports, and inherits the tests.
+// To add one: a file in this folder with its citation, estimator and target; a line in registry.cpp. It then
+// appears in the window, the command line and the reports, and inherits the tests.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,6 +14,7 @@
 #include <vector>
 
 #include "film/film.h"
+#include "lights/cut_distribution.h"
 #include "lights/light_tree.h"
 #include "scene/gbuffer.h"
 #include "techniques/settings.h"
@@ -19,7 +22,8 @@
 
 namespace halflight {
 
-/// What a picture converges to: the sum over one frozen S seen through pixel centres, or the integral, antialiased.
+/// What a picture converges to: the sum over one frozen S seen through pixel centres, or the integral,
+/// antialiased.
 enum class Target { discrete, continuous };
 enum class TargetSupport { discrete, continuous, both, own };
 enum class Bias { unbiased, biased };
@@ -45,23 +49,36 @@ struct FrameView {
   }
 };
 
-/// One pass: `samples` a pixel, half of them to each half of the film, over every `stride`-th pixel in x and y.
+/// One pass: `samples` a pixel over every `stride`-th pixel in x and y. Discrete target: half of them go to
+/// each half of the film. Continuous target: S is redrawn between passes, so that halves are independent only
+/// when a pass fills one.
 struct PassRequest {
   uint32_t pass = 0;
   uint32_t samples = 32;
-  uint32_t stride = 1;     ///< 1, 2 or 4
-  uint32_t offset = 0;     ///< which of the stride² interleaved subsets
+  std::optional<int> half;  ///< 0 or 1: all samples to that half; none: split
+  uint32_t stride = 1;      ///< 1, 2 or 4
+  uint32_t offset = 0;      ///< which of the stride² interleaved subsets
   std::stop_token stop{};
+  /// Benchmarks: sees each batch of visibility rays before it is traced, from any thread.
+  std::function<void(std::span<const ShadowRay>)> watch_rays{};
 };
 
 struct PassStats {
-  double distribution_seconds = 0, sampling_seconds = 0, visibility_seconds = 0, resolve_seconds = 0;  ///< thread seconds
+  double distribution_seconds = 0, sampling_seconds = 0, visibility_seconds = 0,
+         resolve_seconds = 0;  ///< thread seconds
   RayCounters rays;
   uint64_t useful_rays = 0;  ///< visibility rays that could carry light (f · L > 0)
   uint64_t pixels = 0;
-  bool finished = true;      ///< false when stopped early
+  bool finished = true;  ///< false when stopped early
 
   PassStats& operator+=(const PassStats&);
+};
+
+/// What a technique that draws from S does at one pixel, for tests. Lights are in the tree's order.
+struct PixelInspection {
+  std::vector<double> probability;  ///< P(i)
+  std::vector<float> weight;        ///< what a draw of i is weighed with; 0 where P(i) = 0
+  std::vector<LightSample> draws;   ///< `samples` of the request, from one stratified set
 };
 
 class Technique {
@@ -70,6 +87,10 @@ class Technique {
   /// Called when lights, cut or settings changed, before the next pass.
   virtual void prepare(const FrameView&) {}
   virtual PassStats run_pass(const FrameView&, const PassRequest&, Film&) = 0;
+  /// Nothing where the technique has no probabilities to tell.
+  virtual std::optional<PixelInspection> inspect(const FrameView&, const PassRequest&, uint32_t) {
+    return std::nullopt;
+  }
 };
 
 struct TechniqueInfo {
@@ -84,7 +105,8 @@ struct TechniqueInfo {
 std::span<const TechniqueInfo> techniques();
 /// Throws Error (exit code 2) listing the valid ids.
 const TechniqueInfo& find_technique(std::string_view id);
-/// The target a technique runs in when none is asked for. Throws Error (exit code 2) when `wanted` is not supported.
+/// The target a technique runs in when none is asked for. Throws Error (exit code 2) when `wanted` is not
+/// supported.
 Target choose_target(const TechniqueInfo&, std::optional<Target> wanted);
 
 }  // namespace halflight

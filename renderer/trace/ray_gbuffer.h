@@ -17,19 +17,21 @@ void trace_gbuffer(const RayScene&, const Camera&, Vec2 jitter, uint32_t alpha_s
 /// Which light reaches the bounce points.
 struct PointLighting {
   bool punctual = true, environment = true, emitters = true;
-  int samples = 16;      ///< shadow rays a point for environment and emitters together
+  int samples = 16;  ///< shadow rays a point for environment and emitters together
   uint64_t seed = 0;
 };
 
-/// Irradiance on both sides of each point (2·i front, 2·i + 1 back) from punctual lights (one ray each), environment
-/// and emitters (sampled by power; unbiased).
-std::vector<Vec3> irradiance_by_rays(const RayScene&, const std::vector<BouncePoint>&, const PointLighting&, RayCounters&);
+/// Irradiance on both sides of each point (2·i front, 2·i + 1 back) from punctual lights (one ray each),
+/// environment and emitters (sampled by power; unbiased).
+std::vector<Vec3> irradiance_by_rays(const RayScene&, const std::vector<BouncePoint>&, const PointLighting&,
+                                     RayCounters&);
 
 /// D_punctual at each pixel by one shadow ray a light: f · cos θ · E, added to `radiance` (one a pixel).
-void add_punctual_by_rays(const RayScene&, const GBuffer&, uint32_t alpha_seed, std::vector<Vec3>& radiance, RayCounters&);
+void add_punctual_by_rays(const RayScene&, const GBuffer&, uint32_t alpha_seed, std::vector<Vec3>& radiance,
+                          RayCounters&);
 
-/// Light a scene needs to be seen: with none at all, a lamp at the ceiling where the camera stands enclosed (few rays
-/// escape), else the built-in sky. Notes what it added in the facts and as a message.
+/// Light a scene needs to be seen: with none at all, a lamp at the ceiling where the camera stands enclosed
+/// (few rays escape), else the built-in sky. Notes what it added in the facts and as a message.
 void complete_lights(Scene&, Messages&);
 
 }  // namespace halflight

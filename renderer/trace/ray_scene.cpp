@@ -1,1 +1,237 @@
-namespace halflight {}
+#include "trace/ray_scene.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstring>
+#include <vector>
+
+#include "core/errors.h"
+#include "trace/embree_api.h"
+
+namespace halflight {
+
+namespace {
+
+static_assert(sizeof(ShadowRay) == sizeof(RTCRay) &&
+              offsetof(ShadowRay, near_distance) == offsetof(RTCRay, tnear) &&
+              offsetof(ShadowRay, direction_x) == offsetof(RTCRay, dir_x) &&
+              offsetof(ShadowRay, time) == offsetof(RTCRay, time) &&
+              offsetof(ShadowRay, far_distance) == offsetof(RTCRay, tfar) &&
+              offsetof(ShadowRay, mask) == offsetof(RTCRay, mask) &&
+              offsetof(ShadowRay, id) == offsetof(RTCRay, id) &&
+              offsetof(ShadowRay, flags) == offsetof(RTCRay, flags));
+
+// Embree's own bound on what it multiplies without overflow (its assertions abort beyond it).
+constexpr float largest_coordinate = 1.84e18f;
+
+bool in_range(float v) { return std::abs(v) < largest_coordinate; }  // false for NaN
+
+bool valid(const ShadowRay& ray) {
+  // Bitwise, so that a batch is checked without branches.
+  const bool place = bool(in_range(ray.origin_x) & in_range(ray.origin_y) & in_range(ray.origin_z));
+  const bool way = bool(in_range(ray.direction_x) & in_range(ray.direction_y) & in_range(ray.direction_z));
+  return bool(place & way & (ray.near_distance >= 0) & (ray.far_distance >= ray.near_distance));
+}
+
+/// What the alpha filter needs about the geometry it is called for.
+struct AlphaGeometry {
+  const Scene* scene;
+  std::vector<uint32_t> triangles;  ///< Embree's primitive id → the scene's triangle
+};
+
+/// Embree's ray context with our seed behind it.
+#if RTC_VERSION_MAJOR >= 4
+using EmbreeContext = RTCRayQueryContext;
+void init_context(EmbreeContext& context) { rtcInitRayQueryContext(&context); }
+#else
+using EmbreeContext = RTCIntersectContext;
+void init_context(EmbreeContext& context) { rtcInitIntersectContext(&context); }
+#endif
+
+struct SeededContext {
+  EmbreeContext embree;
+  uint32_t alpha_seed;
+};
+
+/// Lets rays through the parts of masked and blended triangles that do not block.
+void alpha_filter(const RTCFilterFunctionNArguments* arguments) {
+  const auto& geometry = *static_cast<const AlphaGeometry*>(arguments->geometryUserPtr);
+  const uint32_t seed = reinterpret_cast<const SeededContext*>(arguments->context)->alpha_seed;
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    const SurfacePoint point{
+        geometry.triangles[RTCHitN_primID(arguments->hit, arguments->N, i)],
+        {RTCHitN_u(arguments->hit, arguments->N, i), RTCHitN_v(arguments->hit, arguments->N, i)}};
+    if (!surface_blocks(*geometry.scene, point, seed)) arguments->valid[i] = 0;
+  }
+}
+
+[[noreturn]] void throw_embree_error(RTCDevice device, const char* what) {
+  const RTCError code = rtcGetDeviceError(device);
+  throw Error(ExitCode::failure,
+              fmt::format("ray tracing: {} failed{}", what,
+                          code == RTC_ERROR_OUT_OF_MEMORY ? ": out of memory"
+                                                          : fmt::format(" (Embree error {})", int(code))));
+}
+
+bool count_memory(void* counter, ssize_t bytes, bool) {
+  static_cast<std::atomic<int64_t>*>(counter)->fetch_add(bytes, std::memory_order_relaxed);
+  return true;
+}
+
+}  // namespace
+
+struct RayScene::Impl {
+  explicit Impl(const Scene& scene_in);
+  ~Impl() {
+    if (embree_scene) rtcReleaseScene(embree_scene);
+    if (device) rtcReleaseDevice(device);
+  }
+  void add_geometry(AlphaGeometry& geometry, bool filtered);
+
+  const Scene& scene;
+  std::atomic<int64_t> memory{0};
+  RTCDevice device = nullptr;
+  RTCScene embree_scene = nullptr;
+  // Opaque triangles pay nothing for the filter: they are a geometry of their own.
+  AlphaGeometry opaque, filtered;
+};
+
+RayScene::Impl::Impl(const Scene& scene_in)
+    : scene(scene_in), opaque{&scene_in, {}}, filtered{&scene_in, {}} {
+  device = rtcNewDevice(nullptr);
+  if (!device) throw_embree_error(nullptr, "starting Embree");
+  rtcSetDeviceMemoryMonitorFunction(device, count_memory, &memory);
+  embree_scene = rtcNewScene(device);
+  rtcSetSceneBuildQuality(embree_scene, RTC_BUILD_QUALITY_MEDIUM);
+  for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
+    const bool alpha = scene.materials[scene.triangle_material[i]].alpha_mode != AlphaMode::opaque;
+    (alpha ? filtered : opaque).triangles.push_back(i);
+  }
+  add_geometry(opaque, false);
+  add_geometry(filtered, true);
+  rtcCommitScene(embree_scene);
+  if (rtcGetDeviceError(device) != RTC_ERROR_NONE)
+    throw_embree_error(device, "building the acceleration structure");
+}
+
+void RayScene::Impl::add_geometry(AlphaGeometry& geometry, bool is_filtered) {
+  if (geometry.triangles.empty()) {
+    // The id is taken all the same: geometry 0 is opaque, 1 is filtered.
+    return;
+  }
+  RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  // Embree reads 16 bytes a vertex: the rest of a Vertex behind the position is its padding.
+  static_assert(sizeof(Vertex) >= 16 && offsetof(Vertex, position) == 0);
+  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene.vertices.data(), 0,
+                             sizeof(Vertex), scene.vertices.size());
+  auto* indices = static_cast<UVec3*>(rtcSetNewGeometryBuffer(
+      mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(UVec3), geometry.triangles.size()));
+  if (!indices) throw_embree_error(device, "allocating indices");
+  for (size_t i = 0; i < geometry.triangles.size(); ++i) indices[i] = scene.triangles[geometry.triangles[i]];
+  rtcSetGeometryUserData(mesh, &geometry);
+  if (is_filtered) {
+    rtcSetGeometryIntersectFilterFunction(mesh, alpha_filter);
+    rtcSetGeometryOccludedFilterFunction(mesh, alpha_filter);
+  }
+  rtcCommitGeometry(mesh);
+  rtcAttachGeometryByID(embree_scene, mesh, is_filtered ? 1 : 0);
+  rtcReleaseGeometry(mesh);
+}
+
+RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+const Scene& RayScene::scene() const { return impl_->scene; }
+size_t RayScene::memory_bytes() const { return static_cast<size_t>(std::max<int64_t>(impl_->memory, 0)); }
+
+bool RayScene::intersect(Vec3 origin, Vec3 direction, float near_distance, float far_distance,
+                         uint32_t alpha_seed, RayHit& hit, RayCounters& counters) const {
+  ShadowRay gate{origin.x,    origin.y,    origin.z, near_distance, direction.x,
+                 direction.y, direction.z, 0,        far_distance};
+  if (!valid(gate)) {
+    ++counters.rejected;
+    return false;
+  }
+  ++counters.closest;
+  RTCRayHit query;
+  std::memcpy(&query.ray, &gate, sizeof gate);
+  query.hit.geomID = query.hit.primID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  SeededContext context;
+  init_context(context.embree);
+  context.alpha_seed = alpha_seed;
+#if RTC_VERSION_MAJOR >= 4
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &context.embree;
+  rtcIntersect1(impl_->embree_scene, &query, &arguments);
+#else
+  rtcIntersect1(impl_->embree_scene, &context.embree, &query);
+#endif
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  const AlphaGeometry& geometry = query.hit.geomID == 0 ? impl_->opaque : impl_->filtered;
+  hit.distance = query.ray.tfar;
+  hit.point = {geometry.triangles[query.hit.primID], {query.hit.u, query.hit.v}};
+  return true;
+}
+
+void RayScene::occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCounters& counters) const {
+  if (rays.empty()) return;
+  uint64_t rejected = 0;
+  for (ShadowRay& ray : rays) {
+    const bool good = valid(ray);
+    rejected += !good;
+    if (!good) {
+      // A ray Embree takes and ends at once; blocked already.
+      ray.origin_x = ray.origin_y = ray.origin_z = ray.near_distance = 0;
+      ray.direction_x = ray.direction_y = 0, ray.direction_z = 1;
+      ray.far_distance = -infinity;
+    }
+  }
+  counters.rejected += rejected;
+  counters.visibility += rays.size() - rejected;
+
+  SeededContext context;
+  init_context(context.embree);
+  context.alpha_seed = alpha_seed;
+#if RTC_VERSION_MAJOR >= 4
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.context = &context.embree;
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  constexpr size_t packet = 16;
+  alignas(64) RTCRay16 lanes;
+  alignas(64) int active[packet];
+  for (size_t begin = 0; begin < rays.size(); begin += packet) {
+    const size_t count = std::min(packet, rays.size() - begin);
+    for (size_t i = 0; i < packet; ++i) {
+      const ShadowRay& ray = rays[begin + std::min(i, count - 1)];
+      active[i] = i < count ? -1 : 0;
+      lanes.org_x[i] = ray.origin_x, lanes.org_y[i] = ray.origin_y, lanes.org_z[i] = ray.origin_z;
+      lanes.dir_x[i] = ray.direction_x, lanes.dir_y[i] = ray.direction_y, lanes.dir_z[i] = ray.direction_z;
+      lanes.tnear[i] = ray.near_distance, lanes.tfar[i] = ray.far_distance, lanes.time[i] = ray.time;
+      lanes.mask[i] = ray.mask, lanes.id[i] = ray.id, lanes.flags[i] = ray.flags;
+    }
+    rtcOccluded16(active, impl_->embree_scene, &lanes, &arguments);
+    for (size_t i = 0; i < count; ++i) rays[begin + i].far_distance = lanes.tfar[i];
+  }
+#else
+  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  rtcOccluded1M(impl_->embree_scene, &context.embree, reinterpret_cast<RTCRay*>(rays.data()),
+                static_cast<unsigned>(rays.size()), sizeof(ShadowRay));
+#endif
+}
+
+ShadowRay shadow_ray(const Scene& scene, Vec3 x, Vec3 geometric_normal, Vec3 wi, float distance) {
+  const float epsilon = surface_epsilon(scene, x);
+  const Vec3 origin = x + geometric_normal * (glm::dot(geometric_normal, wi) >= 0 ? epsilon : -epsilon);
+  // The far end stops short of the light's own surface: by the offset, and by the rounding of a long ray.
+  const float far_distance =
+      distance < infinity ? std::max(distance * (1 - 0x1p-16f) - 4 * epsilon, 0.0f) : infinity;
+  return {origin.x, origin.y, origin.z, 0, wi.x, wi.y, wi.z, 0, far_distance};
+}
+
+}  // namespace halflight

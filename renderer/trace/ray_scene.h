@@ -1,5 +1,5 @@
-// Embree behind one header; versions 3 and 4. Every ray passes one validity gate, because Debian's library aborts on a
-// ray that is not finite.
+// Embree behind one header; versions 3 and 4. Every ray passes one validity gate, because Debian's library
+// aborts on a ray that is not finite.
 #pragma once
 
 #include <memory>
@@ -61,8 +61,8 @@ class RayScene {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Ray from a surface point x (geometric normal on wi's side) towards wi, `distance` long (infinity: to the end);
-/// both ends are kept off the surfaces by `surface_epsilon`.
+/// Ray from a surface point x (geometric normal on wi's side) towards wi, `distance` long (infinity: to the
+/// end); both ends are kept off the surfaces by `surface_epsilon`.
 ShadowRay shadow_ray(const Scene&, Vec3 x, Vec3 geometric_normal, Vec3 wi, float distance);
 
 }  // namespace halflight

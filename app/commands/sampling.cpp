@@ -1,0 +1,139 @@
+#include "commands/sampling.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace halflight {
+
+namespace {
+
+constexpr uint32_t stride = 4, subsets = stride * stride;
+constexpr uint32_t first_round = 8;      ///< samples a pixel, where no total says how to share them out
+constexpr double most_for_balance = 16;  ///< samples a round takes on to be worth its distributions
+
+/// Measured seconds of a round: its frame (S and pixel grid redrawn, continuous target only), the
+/// distributions of its pixels, and each sample a pixel.
+struct RoundCost {
+  double frame = 0, distributions = 0, sample = 0;
+
+  bool known() const { return sample > 0; }
+  double of_pixels(double samples) const { return distributions + sample * samples; }
+  double of(double samples) const { return frame + of_pixels(samples); }
+};
+
+class Sampler {
+ public:
+  Sampler(Session& session, const SamplingGoal& goal, const Stopwatch& clock, std::stop_token stop,
+          const std::function<void()>& after_round)
+      : session_(session), goal_(goal), clock_(clock), stop_(std::move(stop)), after_round_(after_round) {}
+
+  StopReason run();
+
+ private:
+  uint32_t next_round() const;
+  void whole_round(uint32_t samples);
+  void round_in_subsets(uint32_t samples, bool every_pixel);
+  double time_left() const { return goal_.seconds ? *goal_.seconds - clock_.seconds() : infinity; }
+  void timed_pass(uint32_t samples, uint32_t pass_stride, uint32_t offset);
+  bool time_is_up() const;
+
+  Session& session_;
+  SamplingGoal goal_;
+  const Stopwatch& clock_;
+  std::stop_token stop_;
+  const std::function<void()>& after_round_;
+  uint32_t done_ = 0;
+  RoundCost cost_;
+};
+
+/// With a number of samples alone, the session's own way of sharing them out. Otherwise rounds grow with what
+/// is done, so that the goal is looked at often, and are large enough for the samples to be worth their
+/// distributions.
+uint32_t Sampler::next_round() const {
+  const bool only_samples = goal_.samples && !goal_.seconds && !goal_.error;
+  uint32_t wanted = session_.round_samples(only_samples ? *goal_.samples : std::max(done_, first_round));
+  if (!only_samples && cost_.known())
+    wanted = std::max(wanted,
+                      static_cast<uint32_t>(std::min(most_for_balance, cost_.distributions / cost_.sample)));
+  return goal_.samples ? std::min(*goal_.samples - done_, wanted) : wanted;
+}
+
+/// Runs a pass and learns from it what a round of the whole picture costs.
+void Sampler::timed_pass(uint32_t samples, uint32_t pass_stride, uint32_t offset) {
+  Stopwatch watch;
+  const StageSeconds before = session_.stats().seconds;
+  session_.run_pass(samples, pass_stride, offset, stop_);
+  const StageSeconds& after = session_.stats().seconds;
+  const double frame = after.lights - before.lights + after.raster - before.raster;
+  const double share = 1.0 / (pass_stride * pass_stride);
+  const double pixels = std::max(1e-9, watch.seconds() - frame);
+  const double distributions = std::min(after.distribution - before.distribution, pixels);
+  cost_.distributions = distributions / share;
+  cost_.sample = std::max(1e-9, pixels - distributions) / (share * samples);
+  if (session_.plan().antialiased && offset == 0) cost_.frame = frame;
+}
+
+void Sampler::whole_round(uint32_t samples) {
+  timed_pass(samples, 1, 0);
+  done_ += samples;
+}
+
+/// Samples are taken back where the time would not last; unless `every_pixel`, subsets may be left out at the
+/// end.
+void Sampler::round_in_subsets(uint32_t samples, bool every_pixel) {
+  uint32_t most = 0;
+  for (uint32_t offset = 0; offset < subsets && !stop_.stop_requested(); ++offset) {
+    if (cost_.known()) {
+      const double seconds = (time_left() - (offset == 0 ? cost_.frame : 0)) * subsets / (subsets - offset);
+      const double fit = (seconds - cost_.distributions) / cost_.sample;
+      samples = static_cast<uint32_t>(std::clamp(fit, 1.0, static_cast<double>(samples)));
+      if (!every_pixel && time_left() < 0.5 * cost_.of_pixels(samples) / subsets) break;
+    }
+    timed_pass(samples, stride, offset);
+    most = std::max(most, samples);
+  }
+  done_ += most;
+}
+
+bool Sampler::time_is_up() const {
+  return time_left() < std::max(0.03 * goal_.seconds.value_or(0), cost_.frame + cost_.of_pixels(1) / subsets);
+}
+
+StopReason Sampler::run() {
+  for (bool first = true;; first = false) {
+    if (stop_.stop_requested()) return StopReason::interrupted;
+    if (goal_.samples && done_ >= *goal_.samples) return StopReason::samples;
+    if (!first && goal_.seconds && time_is_up()) return StopReason::time;
+    const double error = first ? -1 : session_.film().estimated_relmse();
+    if (goal_.error && error >= 0 && error <= *goal_.error) return StopReason::error;
+
+    const uint32_t samples = next_round();
+    if (!goal_.seconds || (!first && cost_.of(samples) < time_left()))
+      whole_round(samples);
+    else
+      round_in_subsets(samples, first);
+    if (after_round_) after_round_();
+  }
+}
+
+}  // namespace
+
+std::string_view stop_reason_name(StopReason reason) {
+  switch (reason) {
+    case StopReason::samples:
+      return "samples";
+    case StopReason::time:
+      return "time";
+    case StopReason::error:
+      return "error";
+    default:
+      return "interrupted";
+  }
+}
+
+StopReason sample_until(Session& session, const SamplingGoal& goal, const Stopwatch& clock,
+                        std::stop_token stop, const std::function<void()>& after_round) {
+  return Sampler(session, goal, clock, std::move(stop), after_round).run();
+}
+
+}  // namespace halflight

@@ -1,0 +1,31 @@
+// Rounds of passes until a goal is met.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string_view>
+
+#include "core/stopwatch.h"
+#include "session.h"
+
+namespace halflight {
+
+/// When a picture is done: whichever comes first. At least one is set.
+struct SamplingGoal {
+  std::optional<uint32_t> samples;  ///< a pixel
+  std::optional<double> seconds;    ///< on the clock given to `sample_until`
+  std::optional<double>
+      error;  ///< estimated relMSE; stopping by it is biased (ESTIMATORS: weights that depend on data)
+};
+
+enum class StopReason { samples, time, error, interrupted };
+std::string_view stop_reason_name(StopReason);
+
+/// Runs passes over the session's film until the goal is met or `stop` is requested. Every pixel has a sample
+/// at the end unless it was stopped. With a time goal the rounds at the start and at the end go through 16
+/// interleaved subsets of the pixels, which keeps the end near the goal. `after_round` may show progress.
+StopReason sample_until(Session&, const SamplingGoal&, const Stopwatch& clock, std::stop_token stop,
+                        const std::function<void()>& after_round);
+
+}  // namespace halflight

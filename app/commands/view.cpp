@@ -1,0 +1,31 @@
+#include "commands/commands.h"
+#include "commands/open_scene.h"
+#include "viewer/viewer.h"
+
+namespace halflight {
+
+int run_view(const Options& options) {
+  ViewerStart start;
+  start.loader = [options](Messages& messages, DisplaySettings& display) {
+    OpenedScene opened = open_scene(options, messages);
+    display = opened.display;
+    return std::move(opened.scene);
+  };
+  start.render = options.render;
+  start.fixed_size = options.size_given && options.capture.empty();
+  start.display.tonemap = options.tonemap;
+  start.display.ev = options.ev.value_or(0.0f);
+  start.load = options.load;
+  if (options.samples) start.sample_limit = *options.samples;
+  if (options.capture.empty()) {
+    run_window(std::move(start));
+  } else {
+    CaptureRequest request{options.capture};
+    if (options.size_given) request.width = options.render.width, request.height = options.render.height;
+    if (options.samples) request.samples = *options.samples;
+    run_capture(std::move(start), request);
+  }
+  return static_cast<int>(ExitCode::ok);
+}
+
+}  // namespace halflight

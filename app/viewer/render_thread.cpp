@@ -1,0 +1,223 @@
+#include "viewer/render_thread.h"
+
+#include <utility>
+
+namespace halflight {
+
+namespace {
+
+// A pass covers one of 16 interleaved subsets of the pixels with all its samples: about 100 ms on two cores.
+constexpr uint32_t pass_stride = 4;
+constexpr uint32_t first_round_samples = 4, later_round_samples = 16;
+
+Vec3 look_at_point(const Session& session) {
+  const GBuffer& gbuffer = session.gbuffer();
+  const Camera& camera = session.camera();
+  if (gbuffer.pixel_count() > 0) {
+    const GBufferTexel& texel =
+        gbuffer.texels[static_cast<size_t>(gbuffer.height / 2) * gbuffer.width + gbuffer.width / 2];
+    if (texel.hit()) return texel.position;
+  }
+  const Aabb& bounds = session.scene().bounds;
+  if (bounds.empty()) return camera.position - camera.back;
+  const float depth =
+      std::max(glm::dot(camera.position - bounds.centre(), camera.back), 0.1f * bounds.diagonal());
+  return camera.position - camera.back * depth;
+}
+
+std::shared_ptr<const SceneSummary> describe(const Session& session, const DisplaySettings& display) {
+  const Scene& scene = session.scene();
+  auto opened = std::make_shared<SceneSummary>();
+  opened->name = scene.facts.source;
+  opened->cameras = scene.cameras;
+  for (const Material& material : scene.materials) opened->material_names.push_back(material.name);
+  opened->lights = session.light_edits();
+  opened->environment_name = scene.environment.present() ? scene.environment.name : "";
+  opened->gl = session.gl();
+  opened->triangles = scene.triangles.size();
+  opened->display = display;
+  return opened;
+}
+
+}  // namespace
+
+RenderThread::RenderThread(SceneLoader loader, const RenderSettings& settings, const DisplaySettings& display,
+                           uint32_t sample_limit)
+    : settings_(settings), display_(display), sample_limit_(sample_limit) {
+  wishes_.open = std::move(loader);
+  thread_ = std::thread([this] { loop(); });
+}
+
+RenderThread::~RenderThread() {
+  {
+    std::lock_guard lock(mutex_);
+    quit_ = true;
+    pass_stop_.request_stop();
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void RenderThread::wish(const std::function<void(Wishes&)>& change) {
+  {
+    std::lock_guard lock(mutex_);
+    change(wishes_);
+    pass_stop_.request_stop();
+  }
+  changed_.notify_all();
+}
+
+void RenderThread::open(SceneLoader loader) {
+  wish([&](Wishes& w) { w.open = std::move(loader); });
+}
+
+void RenderThread::open_environment(const std::string& path, const LoadLimits& limits) {
+  // Runs on the render thread, where the session may be read.
+  open([this, path, limits](Messages& messages, DisplaySettings&) {
+    Environment environment = load_environment(path, limits, messages);
+    Scene scene = session_ ? session_->scene() : Scene{};
+    scene.environment = std::move(environment);
+    if (session_) scene.cameras.insert(scene.cameras.begin(), session_->camera());
+    return scene;
+  });
+}
+
+void RenderThread::set_camera(const Camera& camera) {
+  wish([&](Wishes& w) { w.camera = camera; });
+}
+void RenderThread::set_settings(const RenderSettings& settings) {
+  wish([&](Wishes& w) { w.settings = settings; });
+}
+void RenderThread::edit_lights(const LightEdits& lights) {
+  wish([&](Wishes& w) { w.lights = lights; });
+}
+
+void RenderThread::set_paused(bool paused) {
+  {
+    std::lock_guard lock(mutex_);
+    paused_ = paused;
+  }
+  changed_.notify_all();
+}
+
+std::shared_ptr<const Snapshot> RenderThread::latest() const {
+  std::lock_guard lock(mutex_);
+  return latest_;
+}
+
+bool RenderThread::busy_loading() const {
+  std::lock_guard lock(mutex_);
+  return loading_ || wishes_.open.has_value();
+}
+
+void RenderThread::rethrow_if_nothing_opened() const {
+  std::lock_guard lock(mutex_);
+  if (nothing_opened_) std::rethrow_exception(nothing_opened_);
+}
+
+std::optional<RenderThread::Notice> RenderThread::next_notice() {
+  std::lock_guard lock(mutex_);
+  if (notices_.empty()) return {};
+  Notice notice = std::move(notices_.front());
+  notices_.pop_front();
+  return notice;
+}
+
+void RenderThread::report(const std::string& text, bool error) {
+  std::lock_guard lock(mutex_);
+  notices_.push_back({text, error});
+}
+
+void RenderThread::loop() {
+  for (;;) {
+    Wishes wishes;
+    bool run = false;
+    {
+      std::unique_lock lock(mutex_);
+      const auto unfinished = [&] {
+        return session_ && !paused_ && session_->film().mean_samples() < sample_limit_;
+      };
+      changed_.wait(lock, [&] { return quit_ || wishes_.any() || unfinished(); });
+      if (quit_) break;
+      wishes = std::exchange(wishes_, {});
+      loading_ = wishes.open.has_value();
+      run = !paused_ || wishes.any();
+      pass_stop_ = {};
+    }
+    try {
+      if (wishes.any()) apply(std::move(wishes));
+    } catch (const std::exception& error) {
+      report(error.what(), true);
+      std::lock_guard lock(mutex_);
+      if (!session_) nothing_opened_ = std::current_exception();
+    }
+    {
+      std::lock_guard lock(mutex_);
+      loading_ = false;
+    }
+    try {
+      if (session_ && run) run_one_pass();
+    } catch (const std::exception& error) {
+      report(error.what(), true);
+      set_paused(true);  // what failed once would fail again at once
+    }
+  }
+  session_.reset();
+}
+
+void RenderThread::apply(Wishes wishes) {
+  if (wishes.open) open_scene(*wishes.open);
+  if (!session_) return;
+  if (wishes.settings) session_->set_settings(settings_ = *wishes.settings);
+  if (wishes.lights && wishes.lights->emission.size() == session_->scene().materials.size())
+    session_->edit_lights(*wishes.lights);
+  if (wishes.camera) session_->set_camera(*wishes.camera);
+  subset_ = rounds_ = 0;
+  since_restart_.lap();
+}
+
+void RenderThread::open_scene(const SceneLoader& loader) {
+  Messages messages;
+  // Built in full before the old one goes: a bad file leaves the old scene on screen.
+  auto session = std::make_unique<Session>(loader(messages, display_), settings_, messages_);
+  session_ = std::move(session);
+  opened_ = describe(*session_, display_);
+  ++scene_number_;
+  for (const std::string& warning : messages.warnings) report(warning, false);
+  for (const std::string& warning : std::exchange(messages_.warnings, {})) report(warning, false);
+}
+
+void RenderThread::run_one_pass() {
+  std::stop_token stop;
+  {
+    std::lock_guard lock(mutex_);
+    stop = pass_stop_.get_token();
+    if (wishes_.any() || quit_) return;
+  }
+  session_->run_pass(rounds_ == 0 ? first_round_samples : later_round_samples, pass_stride, subset_, stop);
+  if (stop.stop_requested()) return;
+  if (++subset_ == pass_stride * pass_stride) subset_ = 0, ++rounds_;
+  publish();
+}
+
+void RenderThread::publish() {
+  auto snapshot = std::make_shared<Snapshot>();
+  const Film& film = session_->film();
+  snapshot->scene_number = scene_number_;
+  snapshot->opened = opened_;
+  snapshot->picture = film.preview();
+  snapshot->stats = session_->stats();
+  snapshot->plan = session_->plan();
+  snapshot->technique = session_->settings().technique;
+  snapshot->target = choose_target(find_technique(snapshot->technique), session_->settings().target);
+  snapshot->mean_samples = film.mean_samples();
+  snapshot->estimated_relmse = rounds_ > 0 ? film.estimated_relmse() : -1;
+  snapshot->seconds = since_restart_.seconds();
+  snapshot->nan_samples = film.nan_samples();
+  snapshot->pivot = look_at_point(*session_);
+  snapshot->converged = film.mean_samples() >= sample_limit_;
+  std::lock_guard lock(mutex_);
+  latest_ = std::move(snapshot);
+}
+
+}  // namespace halflight

@@ -1,0 +1,117 @@
+// The renderer on a thread of its own: the window posts wishes and reads snapshots, and never waits.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "core/stopwatch.h"
+#include "film/image_writers.h"
+#include "session.h"
+
+namespace halflight {
+
+/// Loads a scene; runs on the render thread and may throw Error. May change how it is displayed at first.
+using SceneLoader = std::function<Scene(Messages&, DisplaySettings&)>;
+
+/// What stays the same while one scene is open.
+struct SceneSummary {
+  std::string name;
+  std::vector<Camera> cameras;
+  std::vector<std::string> material_names;
+  LightEdits lights;  ///< as the file has them
+  std::string environment_name;
+  std::optional<GlDescription> gl;
+  size_t triangles = 0;
+  DisplaySettings display;  ///< to begin with
+};
+
+/// The picture so far and what is known about it.
+struct Snapshot {
+  uint64_t scene_number = 0;  ///< grows with every scene opened
+  std::shared_ptr<const SceneSummary> opened;
+  ImageRgb picture;
+  SessionStats stats;
+  Plan plan;
+  std::string technique;
+  Target target = Target::discrete;
+  double mean_samples = 0, estimated_relmse = -1;
+  double seconds = 0;  ///< since the picture was begun again
+  uint64_t nan_samples = 0;
+  Vec3 pivot{0};           ///< what the camera looks at
+  bool converged = false;  ///< the sample limit is reached
+};
+
+class RenderThread {
+ public:
+  RenderThread(SceneLoader, const RenderSettings&, const DisplaySettings&, uint32_t sample_limit);
+  ~RenderThread();
+
+  // Wishes; the latest of each kind wins, and the pass in flight is dropped.
+  void open(SceneLoader);
+  void open_environment(const std::string& path, const LoadLimits&);
+  void set_camera(const Camera&);
+  void set_settings(const RenderSettings&);
+  void edit_lights(const LightEdits&);
+  void set_paused(bool);
+
+  /// The newest snapshot; null before the first picture.
+  std::shared_ptr<const Snapshot> latest() const;
+  /// Loading a scene, as opposed to converging.
+  bool busy_loading() const;
+  /// Rethrows what kept the very first scene from opening: there is nothing to show then.
+  void rethrow_if_nothing_opened() const;
+  /// The next message nobody has seen: a failure to open something, or a warning.
+  struct Notice {
+    std::string text;
+    bool error;
+  };
+  std::optional<Notice> next_notice();
+
+ private:
+  struct Wishes {
+    std::optional<SceneLoader> open;
+    std::optional<Camera> camera;
+    std::optional<RenderSettings> settings;
+    std::optional<LightEdits> lights;
+    bool any() const { return open || camera || settings || lights; }
+  };
+
+  void wish(const std::function<void(Wishes&)>& change);
+  void loop();
+  void apply(Wishes);
+  void open_scene(const SceneLoader&);
+  void run_one_pass();
+  void publish();
+  void report(const std::string& text, bool error);
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Wishes wishes_;
+  std::stop_source pass_stop_;
+  std::shared_ptr<const Snapshot> latest_;
+  std::deque<Notice> notices_;
+  std::exception_ptr nothing_opened_;
+  bool paused_ = false, quit_ = false, loading_ = true;
+
+  // The render thread's own.
+  RenderSettings settings_;
+  DisplaySettings display_;
+  uint32_t sample_limit_;
+  Messages messages_;
+  std::unique_ptr<Session> session_;
+  std::shared_ptr<const SceneSummary> opened_;
+  uint64_t scene_number_ = 0;
+  uint32_t subset_ = 0, rounds_ = 0;
+  Stopwatch since_restart_;
+
+  std::thread thread_;
+};
+
+}  // namespace halflight

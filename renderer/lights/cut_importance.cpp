@@ -1,0 +1,263 @@
+#include "lights/cut_importance.h"
+
+#include "core/simd.h"
+
+namespace halflight {
+
+namespace {
+
+/// The cut's arrays as pointers, and the point: what the loops below read.
+struct View {
+  const float *centre_x, *centre_y, *centre_z, *normal_x, *normal_y, *normal_z;
+  const float *power, *radius, *local, *normal_spread, *softening, *has_extent;
+  float *importance, *guard, *arriving;
+  Vec3 x;
+  Basis basis;
+  Vec3 wo;        ///< local
+  float diffuse;  ///< luminance of k_d, over π
+  float counted;  ///< share of the specular estimate left to counting
+};
+
+/// A cluster from x.
+struct Seen {
+  Vec3 w;          ///< unit, towards its centre
+  float arriving;  ///< Φ_k c'/(r² + a c'): l_k Ω_k, with c' widened by R/r
+  float reach;     ///< R/r
+  float guard;
+};
+
+HALFLIGHT_INLINE float clamp_to_unit(float v) {
+  const float high = v < 1.0f ? v : 1.0f;
+  return high > 0.0f ? high : 0.0f;
+}
+
+HALFLIGHT_INLINE Seen see_cluster(const View& v, size_t k) {
+  const float dx = v.centre_x[k] - v.x.x * v.local[k];
+  const float dy = v.centre_y[k] - v.x.y * v.local[k];
+  const float dz = v.centre_z[k] - v.x.z * v.local[k];
+  const float length2 = dx * dx + dy * dy + dz * dz;
+  const float r2 = length2 > 1e-36f ? length2 : 1e-36f;
+  const float inverse_r = 1.0f / std::sqrt(r2);
+  Seen seen;
+  seen.w = Vec3(dx * inverse_r, dy * inverse_r, dz * inverse_r);
+  seen.reach = v.radius[k] * inverse_r;
+  const float faces = v.normal_x[k] * seen.w.x + v.normal_y[k] * seen.w.y + v.normal_z[k] * seen.w.z;
+  const float cos_light = clamp_to_unit(v.normal_spread[k] + seen.reach - faces);
+  seen.arriving = v.power[k] * cos_light / (r2 + v.softening[k] * cos_light);
+  seen.guard = v.power[k] / (r2 + v.radius[k] * v.radius[k] * v.local[k]);
+  return seen;
+}
+
+HALFLIGHT_INLINE float widened_cosine(const View& v, const Seen& seen) {
+  const Vec3 n = v.basis.normal;
+  return clamp_to_unit(n.x * seen.w.x + n.y * seen.w.y + n.z * seen.w.z + seen.reach);
+}
+
+HALFLIGHT_SIMD_CLONES void guard_loop(const View& v, size_t count) {
+#pragma GCC ivdep
+  for (size_t k = 0; k < count; ++k) v.guard[k] = see_cluster(v, k).guard;
+}
+
+HALFLIGHT_SIMD_CLONES void diffuse_loop(const View& v, size_t count) {
+#pragma GCC ivdep
+  for (size_t k = 0; k < count; ++k) {
+    const Seen seen = see_cluster(v, k);
+    v.guard[k] = seen.guard;
+    v.importance[k] = seen.arriving * (v.diffuse * widened_cosine(v, seen));
+  }
+}
+
+struct PhongLobe {
+  Vec3 axis;        ///< mirror direction of wo, world space
+  float sharpness;  ///< λ = n
+  float scale;      ///< k_s (n + 2)/2π
+};
+
+// A cluster as a spherical Gaussian of sharpness κ = 2 (r/R)²: 1/e of its peak at the edge of its bounds.
+constexpr float least_sharpness = 0.5f, most_sharpness = 1e8f;
+
+/// Product of two spherical Gaussians, the second normalised: ∫ e^{λ(ω·R − 1)} κ e^{κ(ω·μ − 1)}/(2π (1 −
+/// e^{−2κ})) dω in its stable form (ESTIMATORS).
+HALFLIGHT_INLINE float filtered_gaussian(Vec3 axis, float lambda, Vec3 mean, float kappa) {
+  const float sx = lambda * axis.x + kappa * mean.x, sy = lambda * axis.y + kappa * mean.y,
+              sz = lambda * axis.z + kappa * mean.z;
+  const float dx = axis.x - mean.x, dy = axis.y - mean.y, dz = axis.z - mean.z;
+  const float length = std::sqrt(sx * sx + sy * sy + sz * sz);
+  const float d = length > 1e-3f ? length : 1e-3f;
+  const float exponent = -lambda * (kappa / (d + lambda + kappa)) * (dx * dx + dy * dy + dz * dz);
+  return exp_negative(exponent) * (kappa / d) * (1.0f - exp_negative(-2.0f * d)) /
+         (1.0f - exp_negative(-2.0f * kappa));
+}
+
+HALFLIGHT_SIMD_CLONES void phong_loop(const View& v, const PhongLobe& lobe, size_t count) {
+#pragma GCC ivdep
+  for (size_t k = 0; k < count; ++k) {
+    const Seen seen = see_cluster(v, k);
+    v.guard[k] = seen.guard;
+    v.arriving[k] = seen.arriving;
+    const float reach2 = seen.reach * seen.reach;
+    const float wide = 2.0f / (reach2 > 2e-8f ? reach2 : 2e-8f);
+    const float kappa = wide > least_sharpness ? wide : least_sharpness;
+    const float specular = lobe.scale * filtered_gaussian(lobe.axis, lobe.sharpness, seen.w, kappa);
+    const float prior = 1.0f - v.counted * v.has_extent[k];
+    v.importance[k] = seen.arriving * widened_cosine(v, seen) * (v.diffuse + prior * specular);
+  }
+}
+
+/// A lobe of half vectors: the GGX distribution, and Ashikhmin–Shirley's with the GGX of the same curvature.
+struct HalfVectorLobe {
+  float width_x, width_y;    ///< α²/(1 − α²) along both axes
+  float f0, f_rise;          ///< Schlick: F0 and f90 − F0, luminances
+  float half_cosine_weight;  ///< 1: density of reflected directions is D/4(h·wo); 0: of visible normals
+};
+
+HALFLIGHT_SIMD_CLONES void half_vector_loop(const View& v, const HalfVectorLobe& lobe, size_t count) {
+  const Vec3 t = v.basis.tangent, b = v.basis.bitangent, n = v.basis.normal, o = v.wo;
+#pragma GCC ivdep
+  for (size_t k = 0; k < count; ++k) {
+    const Seen seen = see_cluster(v, k);
+    v.guard[k] = seen.guard;
+    v.arriving[k] = seen.arriving;
+
+    // Half vector h and its cosine with wo.
+    const Vec3 w = seen.w;
+    const float ix = w.x * t.x + w.y * t.y + w.z * t.z, iy = w.x * b.x + w.y * b.y + w.z * b.z,
+                iz = w.x * n.x + w.y * n.y + w.z * n.z;
+    const float sx = ix + o.x, sy = iy + o.y, sz = iz + o.z;
+    const float sum2 = sx * sx + sy * sy + sz * sz;
+    const float inverse = 1.0f / std::sqrt(sum2 > 1e-6f ? sum2 : 1e-6f);
+    const float hx = sx * inverse, hy = sy * inverse, hz = sz * inverse;
+    const float cos_half = clamp_to_unit(hx * o.x + hy * o.y + hz * o.z);
+
+    // M = diag(P) + (2/κ) J Jᵀ in the plane of h.xy, J the derivative of h by the light's direction
+    // (Tokuyoshi et al. 2024). J Jᵀ = (I − h hᵀ − e eᵀ)/|w + wo|² there, e the part of w across h; 2/κ =
+    // (R/r)².
+    const float along = ix * hx + iy * hy + iz * hz;
+    const float ex = ix - along * hx, ey = iy - along * hy;
+    const float reach = seen.reach < 2.0f ? seen.reach : 2.0f;
+    const float filter = reach * reach * inverse * inverse;
+    const float m_xx = lobe.width_x + filter * (1.0f - hx * hx - ex * ex);
+    const float m_yy = lobe.width_y + filter * (1.0f - hy * hy - ey * ey);
+    const float m_xy = -filter * (hx * hy + ex * ey);
+    const float det_m = m_xx * m_yy - m_xy * m_xy, least = lobe.width_x * lobe.width_y;
+    const float det = det_m > least ? det_m : least;
+
+    // α'² = (M + det M I)/n with n = 1 + tr M + det M, whose determinant is det M/n; with the quadratic form
+    // of α'⁻² multiplied out, D = det M √det M √n/(π q²), q = hᵀ adj(M + det M I) h + h_z² det M.
+    const float norm = 1.0f + m_xx + m_yy + det;
+    const float a_xx = m_xx + det, a_yy = m_yy + det;
+    const float q = a_yy * hx * hx - 2.0f * m_xy * hx * hy + a_xx * hy * hy + hz * hz * det;
+    const float stretched2 =
+        (o.x * o.x * a_xx + 2.0f * o.x * o.y * m_xy + o.y * o.y * a_yy) / norm + o.z * o.z;
+    const float visible = 2.0f * (o.z + std::sqrt(stretched2)), reflected = 4.0f * cos_half;
+    const float jacobian = visible + lobe.half_cosine_weight * (reflected - visible);
+    const float complement = 1.0f - cos_half, complement2 = complement * complement;
+    const float fresnel = lobe.f0 + lobe.f_rise * complement2 * complement2 * complement;
+    const float det_over_q = det / q;
+    const float density = det_over_q * det_over_q * std::sqrt(norm / det) * fresnel /
+                          (pi * (jacobian > 1e-4f ? jacobian : 1e-4f));
+
+    const float cosine = clamp_to_unit(iz + seen.reach);
+    const float above = cosine > 0.0f ? 1.0f : 0.0f;
+    const float prior = above * (1.0f - v.counted * v.has_extent[k]);
+    v.importance[k] = seen.arriving * (v.diffuse * cosine + prior * density);
+  }
+}
+
+View make_view(const Cut& cut, Vec3 x) {
+  View v{};
+  v.centre_x = cut.centre_x.data(), v.centre_y = cut.centre_y.data(), v.centre_z = cut.centre_z.data();
+  v.normal_x = cut.normal_x.data(), v.normal_y = cut.normal_y.data(), v.normal_z = cut.normal_z.data();
+  v.power = cut.power.data(), v.radius = cut.radius.data(), v.local = cut.local.data();
+  v.normal_spread = cut.normal_spread.data(), v.softening = cut.softening.data();
+  v.has_extent = cut.has_extent.data();
+  v.x = x;
+  return v;
+}
+
+/// α²/(1 − α²), bounded where α reaches 1.
+float projected_width(float alpha) {
+  const float a2 = square(std::max(alpha, 1e-4f));
+  return a2 / std::max(1 - a2, 1e-4f);
+}
+
+/// The widths whose distribution falls like (n·h)^e near its peak: (1 + x²/P)⁻² against e^{−e x²/2}.
+float width_of_exponent(float exponent) { return std::clamp(4 / (exponent + 1), 1e-8f, 1e4f); }
+
+HalfVectorLobe half_vector_lobe(const Brdf& brdf) {
+  const float f0 = luminance(brdf.specular);
+  if (brdf.model == BrdfModel::ggx)
+    return {projected_width(brdf.roughness.x), projected_width(brdf.roughness.y), f0,
+            std::max(brdf.f90 - f0, 0.0f), 0};
+  return {width_of_exponent(brdf.roughness.x), width_of_exponent(brdf.roughness.y), f0,
+          std::max(1 - f0, 0.0f), 1};
+}
+
+float diffuse_luminance(const Brdf& brdf) {
+  const Vec3 passed = brdf.model == BrdfModel::phong ? Vec3(1) : Vec3(1) - brdf.specular;
+  return std::max(0.0f, luminance(brdf.diffuse * passed));
+}
+
+}  // namespace
+
+void analytic_importance(const Cut& cut, const GBufferTexel& texel, float counted,
+                         const ClusterImportance& out) {
+  View v = make_view(cut, texel.position);
+  v.importance = out.importance.data(), v.guard = out.guard.data(), v.arriving = out.arriving.data();
+  v.basis = texel.basis(), v.wo = v.basis.to_local(texel.wo);
+  v.diffuse = diffuse_luminance(texel.brdf) / pi;
+  v.counted = counted;
+  const size_t count = cut.padded_size();
+  if (!texel.brdf.has_specular()) return diffuse_loop(v, count);
+  if (texel.brdf.model == BrdfModel::phong) {
+    const float n = std::max(texel.brdf.roughness.x, 1e-3f);
+    const Vec3 mirror = v.basis.to_world({-v.wo.x, -v.wo.y, v.wo.z});
+    return phong_loop(v, {mirror, n, luminance(texel.brdf.specular) * (n + 2) / (2 * pi)}, count);
+  }
+  half_vector_loop(v, half_vector_lobe(texel.brdf), count);
+}
+
+void guard_importance(const Cut& cut, Vec3 x, std::span<float> guard) {
+  View v = make_view(cut, x);
+  v.guard = guard.data();
+  guard_loop(v, cut.padded_size());
+}
+
+void illumination_importance(const Cut& cut, std::span<float> importance) {
+  Aabb box;
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    if (cut.local[k] == 0) continue;
+    box.extend(Vec3(cut.low_x[k], cut.low_y[k], cut.low_z[k]));
+    box.extend(Vec3(cut.high_x[k], cut.high_y[k], cut.high_z[k]));
+  }
+  const float extent = 0.5f * box.diagonal();
+  const float local_scale = extent > 0 ? 1 / square(extent) : 1.0f;
+  for (size_t k = 0; k < cut.padded_size(); ++k)
+    importance[k] = cut.power[k] * (cut.local[k] == 0 ? 1.0f : local_scale);
+}
+
+float specular_strength(const GBufferTexel& texel) {
+  const Brdf& brdf = texel.brdf;
+  const float f0 = luminance(brdf.specular);
+  if (brdf.model == BrdfModel::phong) return f0;
+  const float f90 = brdf.model == BrdfModel::ggx ? brdf.f90 : 1.0f;
+  const float complement = std::clamp(1 - glm::dot(texel.shading_normal, texel.wo), 0.0f, 1.0f);
+  return f0 + std::max(f90 - f0, 0.0f) * square(square(complement)) * complement;
+}
+
+float lobe_variance(const Brdf& brdf) {
+  const float widest = std::max(brdf.roughness.x, brdf.roughness.y);
+  switch (brdf.model) {
+    case BrdfModel::ggx:
+      return 2 * square(widest);
+    case BrdfModel::phong:
+      return 1 / (brdf.roughness.x + 1);
+    case BrdfModel::ashikhmin_shirley:
+      return 4 / (std::min(brdf.roughness.x, brdf.roughness.y) + 1);
+    case BrdfModel::none:
+      break;
+  }
+  return infinity;
+}
+
+}  // namespace halflight

@@ -1,0 +1,17 @@
+// The spherical Fibonacci set: points as even as repulsion would leave them, with the nearest one found in
+// constant time (Keinert et al. 2015, "Spherical Fibonacci Mapping").
+#pragma once
+
+#include <cstdint>
+
+#include "core/math.h"
+
+namespace halflight {
+
+/// Unit direction of point `i` of `count`.
+Vec3d fibonacci_direction(uint32_t i, uint32_t count);
+
+/// Index of the point nearest to a unit direction.
+uint32_t nearest_fibonacci(Vec3d direction, uint32_t count);
+
+}  // namespace halflight

@@ -1,0 +1,112 @@
+#include "plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace halflight {
+
+namespace {
+
+bool has_light(const Environment& environment) {
+  return environment.present() && environment.strength > 0 &&
+         std::any_of(environment.map.pixels.begin(), environment.map.pixels.end(),
+                     [](Vec3 radiance) { return max_component(radiance) > 0; });
+}
+
+bool has_specular_lobe(const Material& material) {
+  if (material.unlit || material.model == BrdfModel::none) return false;
+  if (material.model != BrdfModel::ggx) return max_component(material.phong_specular) > 0;
+  return material.metallic > 0 || (material.specular > 0 && material.ior != 1);
+}
+
+}  // namespace
+
+SceneNeeds scene_needs(const Scene& scene) {
+  SceneNeeds needs;
+  std::vector<bool> used(scene.materials.size(), false);
+  for (uint32_t material : scene.triangle_material) used[material] = true;
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    if (!used[i]) continue;
+    const Material& material = scene.materials[i];
+    needs.surfaces |= !material.unlit && material.model != BrdfModel::none;
+    needs.emitters |= !material.unlit && material.emissive();
+    needs.specular |= has_specular_lobe(material);
+    needs.alpha |= material.alpha_mode != AlphaMode::opaque;
+  }
+  needs.environment = has_light(scene.environment);
+  needs.punctual =
+      static_cast<size_t>(std::count_if(scene.lights.begin(), scene.lights.end(), [](const auto& light) {
+        return max_component(light.intensity) > 0;
+      }));
+  return needs;
+}
+
+Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target target,
+               LightSelection selection, const std::string& raster, const std::string& why_backend) {
+  const bool direct = selection != LightSelection::indirect;
+  const bool indirect = selection != LightSelection::direct;
+  const bool continuous = target == Target::continuous;
+  const bool handful = needs.punctual > 0 && needs.punctual <= handful_of_lights && !continuous;
+  const std::string unasked = direct ? "only direct light is asked for" : "only indirect light is asked for";
+
+  Plan plan;
+  plan.show_emission = direct;
+  plan.antialiased = continuous;
+  plan.direct_punctual = handful && direct && needs.surfaces;
+  plan.shadow_maps = handful && !raster.empty() && needs.surfaces;
+  plan.kinds.environment = needs.environment && direct && needs.surfaces;
+  plan.kinds.emitters = needs.emitters && direct && needs.surfaces;
+  plan.kinds.punctual = needs.punctual > 0 && direct && needs.surfaces && !handful;
+  plan.kinds.surfaces = needs.surfaces && needs.lit() && indirect;
+
+  const auto stage = [&](std::string name, bool runs, std::string why) {
+    plan.stages.push_back({std::move(name), runs, std::move(why)});
+  };
+  stage("g-buffer", true, raster.empty() ? "by rays: " + why_backend : raster + ": " + why_backend);
+  stage("antialiasing", plan.antialiased,
+        plan.antialiased ? "the continuous target moves the pixel grid each round"
+                         : "the discrete target sees pixel centres only");
+  stage("alpha filter", needs.alpha,
+        needs.alpha ? "masked or blended materials" : "every material is opaque");
+
+  const std::string count =
+      fmt::format("{} punctual light{}", needs.punctual, needs.punctual == 1 ? "" : "s");
+  stage("shadow maps", plan.shadow_maps,
+        needs.punctual == 0 ? "no punctual lights"
+        : plan.shadow_maps  ? count
+        : continuous        ? "the continuous target lights points by rays"
+        : !handful          ? count + ": more than " + std::to_string(handful_of_lights) + " are members of S"
+                            : "rays do their work without OpenGL");
+  stage("direct punctual light", plan.direct_punctual,
+        needs.punctual == 0    ? "no punctual lights"
+        : !direct              ? unasked
+        : plan.direct_punctual ? count + (plan.shadow_maps ? " by shadow maps" : ", a ray each")
+                               : "punctual lights are members of S");
+
+  const auto kind = [&](const char* name, bool runs, bool present, const char* what, bool asked) {
+    stage(name, runs,
+          !present          ? std::string("no ") + what
+          : !needs.surfaces ? "nothing here reflects light"
+          : !asked          ? unasked
+          : runs            ? std::string("the scene has ") + what
+                            : "found outside S");
+  };
+  kind("environment points", plan.kinds.environment, needs.environment, "an environment", direct);
+  kind("emitter points", plan.kinds.emitters, needs.emitters, "emissive surfaces", direct);
+  kind("punctual points", plan.kinds.punctual, needs.punctual > 0, "punctual lights", direct);
+  kind("surface points", plan.kinds.surfaces, needs.lit() && needs.surfaces, "lit surfaces", indirect);
+
+  const bool any =
+      plan.kinds.environment || plan.kinds.emitters || plan.kinds.punctual || plan.kinds.surfaces;
+  stage("light tree and cut", any, any ? "S has members" : "S is empty");
+  const bool counts = technique.id == "bidirectional" && any && needs.specular;
+  stage("brdf rays", counts,
+        !any                              ? "S is empty"
+        : !needs.specular                 ? "no material has a specular lobe"
+        : technique.id != "bidirectional" ? fmt::format("{} does not count BRDF rays", technique.id)
+                                          : "specular lobes are counted over the cut");
+  return plan;
+}
+
+}  // namespace halflight

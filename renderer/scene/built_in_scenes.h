@@ -1,0 +1,11 @@
+// Makers of the built-in scenes, one file each; `built_in_scenes` (scene/load.h) lists them.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace halflight {
+
+Scene make_cornell();
+Scene make_bedroom();
+
+}  // namespace halflight

@@ -1,0 +1,57 @@
+// Importance sampling from the illumination cut: Wang & Åkerlund 2009, §3.2. One distribution for all pixels,
+// q_k ∝ Φ_k, leaves inside a cluster ∝ Φ_i. Unbiased for the sum over S; blind to the BRDF and to distance.
+#include "core/parallel.h"
+#include "lights/cut_importance.h"
+#include "techniques/pixel_loop.h"
+
+namespace halflight {
+
+namespace {
+
+struct IlluminationSampler {
+  const Cut* cut;
+  const CutDistribution* shared;
+  bool drawable;
+
+  bool begin_pixel(const GBufferTexel&, RandomStream&) { return drawable; }
+  void draw(RandomStream& random, std::span<LightSample> out) const { shared->draw(*cut, random, out); }
+  const CutDistribution& distribution() const { return *shared; }
+};
+
+class Illumination final : public Technique {
+ public:
+  void prepare(const FrameView& frame) override {
+    illumination_importance(*frame.cut, distribution_.importance(*frame.cut));
+    drawable_ = distribution_.build(*frame.cut, {}, 0);
+  }
+
+  PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
+    return run_sampler_pass<IlluminationSampler>(frame, request, film, [&] { return sampler(frame); });
+  }
+
+  std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
+                                         uint32_t pixel) override {
+    IlluminationSampler one = sampler(frame);
+    return inspect_sampler(one, frame, request, pixel);
+  }
+
+ private:
+  IlluminationSampler sampler(const FrameView& frame) const { return {frame.cut, &distribution_, drawable_}; }
+
+  CutDistribution distribution_;
+  bool drawable_ = false;
+};
+
+}  // namespace
+
+TechniqueInfo illumination_technique() {
+  return {"illumination",
+          "Illumination cut as pdf",
+          "Wang & Åkerlund 2009, §3.2",
+          TargetSupport::both,
+          Bias::unbiased,
+          {},
+          []() -> std::unique_ptr<Technique> { return std::make_unique<Illumination>(); }};
+}
+
+}  // namespace halflight

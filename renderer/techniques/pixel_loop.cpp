@@ -1,0 +1,166 @@
+#include "techniques/pixel_loop.h"
+
+#include <chrono>
+
+#if defined(__x86_64__)
+#include <x86intrin.h>
+#endif
+
+namespace halflight {
+
+namespace {
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Every second bit of a Morton code.
+uint32_t compact_bits(uint32_t code) {
+  code &= 0x55;
+  code = (code | code >> 1) & 0x33;
+  return (code | code >> 2) & 0x0f;
+}
+
+}  // namespace
+
+std::array<uint32_t, 2> split_samples(const PassRequest& request) {
+  const uint32_t n = std::max(request.samples, 1u);
+  if (request.half) return *request.half == 0 ? std::array{n, 0u} : std::array{0u, n};
+  if (n == 1) return request.pass % 2 == 0 ? std::array{1u, 0u} : std::array{0u, 1u};
+  return {n - n / 2, n / 2};
+}
+
+uint64_t ticks_now() {
+#if defined(__x86_64__)
+  return __rdtsc();
+#else
+  return static_cast<uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+#endif
+}
+
+RandomStream pixel_stream(const FrameView& frame, const PassRequest& request, uint32_t pixel) {
+  return RandomStream(pixel, request.pass, frame.seed);
+}
+
+PixelWorker::PixelWorker(const FrameView& frame, const PassRequest& request, Film& film, bool exhaustive)
+    : frame_(frame),
+      request_(request),
+      film_(film),
+      split_(split_samples(request)),
+      exhaustive_(exhaustive),
+      term_(frame.geometry_term()) {
+  rays_.reserve(most_rays);
+  waiting_.reserve(most_rays);
+}
+
+bool PixelWorker::open(uint32_t pixel) {
+  ++stats_.pixels;
+  texel_ = &frame_.gbuffer->texels[pixel];
+  const OpenPixel opened{pixel, {}};
+  if (!texel_->hit() || texel_->brdf.black() || !(max_component(texel_->throughput) > 0)) {
+    add_to_film(opened);
+    return false;
+  }
+  basis_ = texel_->basis();
+  open_[open_count_] = opened;
+  return true;
+}
+
+void PixelWorker::add(const LightSample& sample, int half) {
+  batch_.add(frame_.tree->lights[sample.light], *frame_.scene, texel_->position, sample.weight,
+             2 * open_count_ + static_cast<uint32_t>(half));
+  if (batch_.size == ConnectionBatch::capacity) connect();
+}
+
+void PixelWorker::connect() {
+  batch_.connect(*texel_, basis_, term_);
+  for (size_t i = 0; i < batch_.size; ++i) {
+    if (!(batch_.matters[i] > 0)) continue;
+    rays_.push_back(shadow_ray(*frame_.scene, texel_->position, texel_->geometric_normal, batch_.wi(i),
+                               batch_.distance[i]));
+    waiting_.push_back({batch_.value(i), batch_.tag[i]});
+  }
+  batch_.size = 0;
+  if (rays_.size() + ConnectionBatch::capacity > most_rays) trace();
+}
+
+void PixelWorker::end_draws() {
+  if (batch_.size > 0) connect();
+}
+
+void PixelWorker::close() {
+  ++open_count_;
+  if (rays_.size() >= enough_rays || open_count_ == most_pixels) finish();
+}
+
+void PixelWorker::trace() {
+  const uint64_t start = ticks_now();
+  stats_.useful_rays += rays_.size();
+  if (request_.watch_rays) request_.watch_rays(rays_);
+  frame_.rays->occluded(rays_, frame_.alpha_seed, stats_.rays);
+  for (size_t i = 0; i < rays_.size(); ++i)
+    if (!rays_[i].blocked()) open_[waiting_[i].slot / 2].sum[waiting_[i].slot % 2] += waiting_[i].value;
+  rays_.clear();
+  waiting_.clear();
+  visibility_ticks_ += ticks_now() - start;
+}
+
+void PixelWorker::finish() {
+  if (!rays_.empty()) trace();
+  const uint64_t start = ticks_now();
+  for (uint32_t i = 0; i < open_count_; ++i) add_to_film(open_[i]);
+  open_count_ = 0;
+  resolve_ticks_ += ticks_now() - start;
+}
+
+void PixelWorker::add_to_film(const OpenPixel& pixel) {
+  const Vec3 base = frame_.base ? (*frame_.base)[pixel.index] : Vec3(0);
+  const Vec3d throughput(frame_.gbuffer->texels[pixel.index].throughput);
+  for (int half = 0; half < 2; ++half) {
+    if (split_[half] == 0) continue;
+    const Vec3d mean = exhaustive_ ? pixel.sum[0] : pixel.sum[half] / static_cast<double>(split_[half]);
+    film_.add(pixel.index, half, base + Vec3(throughput * mean), split_[half]);
+  }
+}
+
+void PixelWorker::begin_tile() {
+  tile_start_ = seconds_now();
+  tile_start_ticks_ = ticks_now();
+  distribution_ticks = sampling_ticks = visibility_ticks_ = resolve_ticks_ = 0;
+}
+
+void PixelWorker::end_tile() {
+  const auto ticks = static_cast<double>(std::max<uint64_t>(ticks_now() - tile_start_ticks_, 1));
+  const double unit = (seconds_now() - tile_start_) / ticks;
+  stats_.distribution_seconds += static_cast<double>(distribution_ticks) * unit;
+  stats_.sampling_seconds += static_cast<double>(sampling_ticks) * unit;
+  stats_.visibility_seconds += static_cast<double>(visibility_ticks_) * unit;
+  stats_.resolve_seconds += static_cast<double>(resolve_ticks_) * unit;
+}
+
+TileGrid::TileGrid(const GBuffer& gbuffer, const PassRequest& request)
+    : width_(static_cast<uint32_t>(gbuffer.width)),
+      height_(static_cast<uint32_t>(gbuffer.height)),
+      stride_(request.stride),
+      offset_x_(request.offset % request.stride),
+      offset_y_(request.offset / request.stride) {
+  const auto tiles = [&](uint32_t size, uint32_t offset) {
+    const uint32_t pixels = size > offset ? (size - offset + stride_ - 1) / stride_ : 0;
+    return (pixels + side - 1) / side;
+  };
+  columns_ = tiles(width_, offset_x_);
+  rows_ = tiles(height_, offset_y_);
+}
+
+uint32_t TileGrid::pixels(uint32_t tile, std::array<uint32_t, side * side>& out) const {
+  const uint32_t column = tile % columns_, row = tile / columns_;
+  uint32_t count = 0;
+  for (uint32_t code = 0; code < side * side; ++code) {
+    const uint32_t x = (column * side + compact_bits(code)) * stride_ + offset_x_;
+    const uint32_t y = (row * side + compact_bits(code >> 1)) * stride_ + offset_y_;
+    if (x < width_ && y < height_) out[count++] = y * width_ + x;
+  }
+  return count;
+}
+
+}  // namespace halflight

@@ -1,0 +1,213 @@
+// What all techniques that sum over members of S share: tiles, the two halves of the film, batches of shadow
+// rays, timers.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <array>
+#include <concepts>
+
+#include "lights/cut_distribution.h"
+#include "techniques/connection_batch.h"
+#include "techniques/technique.h"
+
+namespace halflight {
+
+/// Draws members of S at a pixel. `begin_pixel` makes the distribution; false: nothing can be drawn.
+/// Independent calls of `draw` are independent given that distribution, and each weighs its draws so that
+/// their mean estimates the sum over S.
+template <class S>
+concept LightSampler = requires(S& sampler, const GBufferTexel& texel, RandomStream& random,
+                                std::span<LightSample> out) {
+  { sampler.begin_pixel(texel, random) } -> std::same_as<bool>;
+  sampler.draw(random, out);
+};
+
+/// A sampler over a cut whose probabilities can be told.
+template <class S>
+concept HasPmf = LightSampler<S> && requires(const S& sampler) {
+  { sampler.distribution() } -> std::same_as<const CutDistribution&>;
+};
+
+/// How many of a pass's samples each half of the film gets.
+std::array<uint32_t, 2> split_samples(const PassRequest&);
+
+/// Time stamps cheap enough to take several times a pixel; a tile's wall-clock time gives their unit.
+uint64_t ticks_now();
+
+/// One thread's part of a pass: gathers the draws of some neighbouring pixels, traces their rays together,
+/// adds the result to the film. Allocates when made and not after.
+class PixelWorker {
+ public:
+  /// With `exhaustive` the samples are summed instead of averaged, and both halves get the same sum.
+  PixelWorker(const FrameView&, const PassRequest&, Film&, bool exhaustive);
+
+  /// Starts a pixel. False: no light can be reflected there, and the pixel has got its base alone.
+  bool open(uint32_t pixel);
+  const GBufferTexel& texel() const { return *texel_; }
+
+  /// Light of one member of S, shadowed when its ray has been traced.
+  void add(const LightSample&, int half);
+
+  /// After the last `add` of a pixel: makes the rays.
+  void end_draws();
+  /// Ends the pixel; traces when enough rays are waiting.
+  void close();
+  /// Traces what waits and adds all open pixels to the film.
+  void finish();
+
+  void begin_tile();
+  void end_tile();
+  PassStats& stats() { return stats_; }
+
+  // Ticks spent since `begin_tile`; the caller adds to the first two.
+  uint64_t distribution_ticks = 0, sampling_ticks = 0;
+
+ private:
+  static constexpr uint32_t most_pixels = 64;
+  // Streams of 64 to 1024 rays are traced fastest (DESIGN, "The CPU stage").
+  static constexpr size_t enough_rays = 256, most_rays = 1024;
+
+  struct OpenPixel {
+    uint32_t index;
+    std::array<Vec3d, 2> sum;
+  };
+  struct Waiting {
+    Vec3 value;     ///< f cos θ L Ω · weight
+    uint32_t slot;  ///< 2 · open pixel + half
+  };
+
+  void connect();
+  void trace();
+  void add_to_film(const OpenPixel&);
+
+  const FrameView& frame_;
+  const PassRequest& request_;
+  Film& film_;
+  std::array<uint32_t, 2> split_;
+  bool exhaustive_;
+  GeometryTerm term_;
+
+  const GBufferTexel* texel_ = nullptr;
+  Basis basis_{};
+  std::array<OpenPixel, most_pixels> open_;
+  uint32_t open_count_ = 0;
+  ConnectionBatch batch_;
+  std::vector<ShadowRay> rays_;
+  std::vector<Waiting> waiting_;
+
+  PassStats stats_;
+  double tile_start_ = 0;
+  uint64_t tile_start_ticks_ = 0, visibility_ticks_ = 0, resolve_ticks_ = 0;
+};
+
+/// Pixels of a pass in tiles of 16×16 of its interleaved subset, along a Morton curve inside each.
+class TileGrid {
+ public:
+  static constexpr uint32_t side = 16;
+
+  TileGrid(const GBuffer&, const PassRequest&);
+  uint32_t tile_count() const { return columns_ * rows_; }
+  /// Writes the pixels of a tile; returns how many there are.
+  uint32_t pixels(uint32_t tile, std::array<uint32_t, side * side>& out) const;
+
+ private:
+  uint32_t width_, height_, stride_, offset_x_, offset_y_, columns_, rows_;
+};
+
+/// Random numbers of a pixel in a pass.
+RandomStream pixel_stream(const FrameView&, const PassRequest&, uint32_t pixel);
+
+/// Runs `render_tile(worker, sampler, pixels)` for each tile on all cores; workers and samplers are one a
+/// thread.
+template <class MakeSampler, class RenderTile>
+PassStats run_tiles(const FrameView& frame, const PassRequest& request, Film& film, bool exhaustive,
+                    const MakeSampler& make_sampler, const RenderTile& render_tile) {
+  struct Local {
+    PixelWorker worker;
+    decltype(make_sampler()) sampler;
+  };
+  tbb::enumerable_thread_specific<Local> locals([&] {
+    return Local{PixelWorker(frame, request, film, exhaustive), make_sampler()};
+  });
+  const TileGrid grid(*frame.gbuffer, request);
+  parallel_for(0, grid.tile_count(), 1, [&](size_t begin, size_t end) {
+    Local& local = locals.local();
+    std::array<uint32_t, TileGrid::side * TileGrid::side> pixels;
+    for (size_t tile = begin; tile < end; ++tile) {
+      if (request.stop.stop_requested()) {
+        local.worker.stats().finished = false;
+        return;
+      }
+      const uint32_t count = grid.pixels(static_cast<uint32_t>(tile), pixels);
+      local.worker.begin_tile();
+      render_tile(local.worker, local.sampler, std::span<const uint32_t>(pixels.data(), count));
+      local.worker.end_tile();
+    }
+  });
+  PassStats stats;
+  for (Local& local : locals) stats += local.worker.stats();
+  return stats;
+}
+
+/// A pass of a technique that draws members of S.
+template <LightSampler Sampler, class MakeSampler>
+PassStats run_sampler_pass(const FrameView& frame, const PassRequest& request, Film& film,
+                           const MakeSampler& make_sampler) {
+  const std::array<uint32_t, 2> split = split_samples(request);
+  struct State {
+    Sampler sampler;
+    std::array<std::vector<LightSample>, 2> draws;
+  };
+  const auto make_state = [&] {
+    State state{make_sampler(), {}};
+    for (int half = 0; half < 2; ++half) state.draws[half].resize(split[half]);
+    return state;
+  };
+  const auto render_tile = [&](PixelWorker& worker, State& state, std::span<const uint32_t> pixels) {
+    for (const uint32_t pixel : pixels) {
+      if (!worker.open(pixel)) continue;
+      RandomStream random = pixel_stream(frame, request, pixel);
+      const uint64_t start = ticks_now();
+      const bool drawable = state.sampler.begin_pixel(worker.texel(), random);
+      const uint64_t built = ticks_now();
+      worker.distribution_ticks += built - start;
+      if (drawable) {
+        for (auto& draws : state.draws)
+          if (!draws.empty()) state.sampler.draw(random, draws);
+        // Both halves run along the leaves: side by side their rays stay in the order of the tree.
+        for (uint32_t j = 0; j < std::max(split[0], split[1]); ++j)
+          for (int half = 0; half < 2; ++half)
+            if (j < split[half]) worker.add(state.draws[half][j], half);
+      }
+      worker.end_draws();
+      worker.sampling_ticks += ticks_now() - built;
+      worker.close();
+    }
+    worker.finish();
+  };
+  return run_tiles(frame, request, film, false, make_state, render_tile);
+}
+
+/// `Technique::inspect` of a sampler over the cut.
+template <HasPmf Sampler>
+PixelInspection inspect_sampler(Sampler& sampler, const FrameView& frame, const PassRequest& request,
+                                uint32_t pixel) {
+  PixelInspection result;
+  result.probability.assign(frame.tree->lights.size(), 0.0);
+  result.weight.assign(frame.tree->lights.size(), 0.0f);
+  RandomStream random = pixel_stream(frame, request, pixel);
+  if (!sampler.begin_pixel(frame.gbuffer->texels[pixel], random)) return result;
+  const Cut& cut = *frame.cut;
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    for (uint32_t i = cut.begin[k]; i < cut.end[k]; ++i) {
+      result.probability[i] = sampler.distribution().probability(cut, k, i);
+      if (result.probability[i] > 0) result.weight[i] = sampler.distribution().weight(cut, k, i);
+    }
+  }
+  result.draws.resize(request.samples);
+  sampler.draw(random, result.draws);
+  return result;
+}
+
+}  // namespace halflight

@@ -1,0 +1,39 @@
+// halflight_benchmark: how near the CPU stage comes to a bare loop of Embree, and what its steps cost.
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "benchmarks/benchmarks.h"
+#include "core/errors.h"
+
+using namespace halflight;
+
+namespace {
+
+int usage() {
+  std::cerr
+      << "usage: halflight_benchmark rays SCENE...   rays a second in the renderer and in a bare loop\n"
+         "       halflight_benchmark steps           cost of tree, cut, importance, draws and counting\n";
+  return static_cast<int>(ExitCode::usage);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.empty()) return usage();
+  try {
+    if (arguments[0] == "rays" && arguments.size() > 1) {
+      for (size_t i = 1; i < arguments.size(); ++i) benchmark_rays(arguments[i]);
+      return 0;
+    }
+    if (arguments[0] == "steps") {
+      benchmark_steps();
+      return 0;
+    }
+  } catch (const Error& error) {
+    std::cerr << "halflight_benchmark: " << error.what() << "\n";
+    return static_cast<int>(error.code());
+  }
+  return usage();
+}

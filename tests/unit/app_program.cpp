@@ -1,0 +1,398 @@
+// The shipped program as its users' scripts see it: exit codes, messages, files, JSON.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "scene/image_files.h"
+
+namespace halflight {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+const std::string fixtures = HALFLIGHT_FIXTURES;
+
+std::string text_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+/// A folder of its own for each test, empty at the start and gone at the end.
+class Program : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder = fs::temp_directory_path() / fmt::format("halflight-{}-{}", info->name(), getpid());
+    std::string name = folder.string();
+    std::replace(name.begin() + 1, name.end(), ' ', '-');
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::permissions(folder, fs::perms::owner_all, ignored);
+    fs::remove_all(folder, ignored);
+  }
+
+  std::string at(const std::string& name) const { return (folder / name).string(); }
+
+  /// Starts the program in `folder`; its outputs go to files there.
+  pid_t start(const Arguments& arguments, rlim_t largest_file = RLIM_INFINITY,
+              const std::string& standard_output = "") {
+    std::vector<char*> words{const_cast<char*>(HALFLIGHT_PROGRAM)};
+    for (const std::string& word : arguments) words.push_back(const_cast<char*>(word.c_str()));
+    words.push_back(nullptr);
+    const std::string out = standard_output.empty() ? at("stdout.txt") : standard_output,
+                      err = at("stderr.txt");
+    const pid_t child = fork();
+    if (child != 0) return child;
+    const rlimit limit{largest_file, largest_file};
+    const int out_file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err_file = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const bool ready = chdir(folder.c_str()) == 0 && setrlimit(RLIMIT_FSIZE, &limit) == 0 &&
+                       unsetenv("DISPLAY") == 0 && unsetenv("WAYLAND_DISPLAY") == 0 &&
+                       dup2(out_file, 1) >= 0 && dup2(err_file, 2) >= 0;
+    if (ready) execv(HALFLIGHT_PROGRAM, words.data());
+    _exit(127);
+  }
+
+  Outcome finish(pid_t child) {
+    int status = 0;
+    EXPECT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+    return {WEXITSTATUS(status), text_of(folder / "stdout.txt"), text_of(folder / "stderr.txt")};
+  }
+
+  Outcome run(const Arguments& arguments, rlim_t largest_file = RLIM_INFINITY,
+              const std::string& standard_output = "") {
+    return finish(start(arguments, largest_file, standard_output));
+  }
+
+  /// A small picture that takes no time, with more arguments.
+  Arguments small(const std::string& output, const Arguments& more = {}) const {
+    Arguments all{"render",           "cornell", "--size",    "32x24", "--samples", "2",
+                  "--virtual-lights", "512",     "--backend", "none",  "-o",        output};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (const std::string name = entry.path().filename(); name != "stdout.txt" && name != "stderr.txt")
+        names.push_back(name);
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  fs::path folder;
+};
+
+/// What a mistake gets: the exit code, and one line on standard error with these words in it.
+void expect_fault(const Outcome& outcome, int code, const std::string& words) {
+  EXPECT_EQ(outcome.code, code) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err.rfind("halflight: ", 0), 0u) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_NE(outcome.err.find(words), std::string::npos) << "'" << outcome.err << "' lacks '" << words << "'";
+}
+
+TEST_F(Program, NamesThatAreUnknown) {
+  expect_fault(run({"rendr"}), 2, "did you mean 'render'?");
+  expect_fault(run({"compare"}), 2, "unknown command");
+  expect_fault(run({"render", "bedrom", "-o", "x.exr"}), 2, "did you mean 'bedroom'?");
+  expect_fault(run(small("x.exr", {"--technique", "bidirektional"})), 2, "did you mean 'bidirectional'?");
+  expect_fault(run(small("x.exr", {"--sampels", "2"})), 2, "did you mean '--samples'?");
+  expect_fault(run(small("x.exr", {"--set", "lights.cuont=2"})), 2, "did you mean 'lights.count'?");
+  expect_fault(run(small("x.exr", {"--camera", "99"})), 2, "camera 99");
+  expect_fault(run(small("x.exr", {"--camera", "no such"})), 2, "unknown camera");
+  EXPECT_EQ(files(), Arguments{});
+}
+
+TEST_F(Program, UsageOfRender) {
+  expect_fault(run({"render"}), 2, "needs -o FILE");
+  expect_fault(run(small("x.jpg")), 2, "none of .exr, .hdr and .png");
+  expect_fault(run(small("x.png", {"--aovs"})), 2, "only an .exr");
+  expect_fault(run(small("x.exr", {"--size", "0x5"})), 2, "--size");
+  expect_fault(run(small("x.exr", {"--samples", "0"})), 2, "--samples");
+  expect_fault(run(small("x.exr", {"--time", "-1"})), 2, "--time");
+  expect_fault(run(small("x.exr", {"--ev", "nan"})), 2, "--ev");
+  EXPECT_EQ(files(), Arguments{});
+}
+
+TEST_F(Program, FilesOfAnotherKind) {
+  std::ofstream(at("picture.png"), std::ios::binary) << "\x89PNG\r\n\x1a\n and no more";
+  std::ofstream(at("words.gltf")) << "these are words";
+  std::ofstream(at("short.glb"), std::ios::binary) << std::string("glTF\x02\0\0\0\x40\0\0\0", 12);
+  expect_fault(run({"info", "picture.png"}), 3, "picture.png");
+  expect_fault(run({"info", "words.gltf"}), 3, "words.gltf");
+  expect_fault(run({"render", "short.glb", "-o", "x.exr"}), 3, "short.glb: ");
+  expect_fault(run({"info", "missing.glb"}), 2, "missing.glb");
+  expect_fault(run({"info", "."}), 3, ".");
+  expect_fault(run(small("x.exr", {"--environment", "words.gltf"})), 3, "words.gltf");
+  expect_fault(run(small("x.exr", {"--environment", "missing.hdr"})), 3, "missing.hdr");
+  expect_fault(run(small("x.exr", {"--view", "words.gltf"})), 3, "words.gltf");
+  expect_fault(run(small("x.exr", {"--config", "words.gltf"})), 3, "words.gltf");
+  expect_fault(run({"error", "picture.png", "picture.png"}), 3, "picture.png");
+  EXPECT_FALSE(fs::exists(at("x.exr")));
+}
+
+TEST_F(Program, StrictRefusesWhatAPlaceholderStandsInFor) {
+  const std::string scene = fixtures + "/missing-texture.gltf";
+  const Outcome lenient = run({"info", scene});
+  EXPECT_EQ(lenient.code, 0) << lenient.err;
+  EXPECT_NE(lenient.err.find("warning: "), std::string::npos);
+  EXPECT_NE(lenient.err.find("no-such-picture.png"), std::string::npos) << lenient.err;
+  EXPECT_EQ(run({"info", scene, "--quiet"}).err, "");
+  expect_fault(run({"info", scene, "--strict"}), 3, "no-such-picture.png");
+}
+
+TEST_F(Program, OutputsThatCannotBeWrittenAreNoticedBeforeWork) {
+  expect_fault(run(small("nowhere/x.exr")), 1, "there is no folder nowhere");
+  expect_fault(run(small("x.exr", {"--json", "nowhere/x.json"})), 1, "there is no folder nowhere");
+  fs::create_directory(folder / "folder.exr");
+  expect_fault(run(small("folder.exr")), 1, "it is a folder");
+  std::ofstream(at("file")) << "a file";
+  expect_fault(run(small("file/x.exr")), 1, "is no folder");
+  if (geteuid() == 0) return;  // nothing is closed to root
+  fs::create_directory(folder / "closed");
+  fs::permissions(folder / "closed", fs::perms::owner_read | fs::perms::owner_exec);
+  expect_fault(run(small("closed/x.exr")), 1, "cannot write");
+}
+
+TEST_F(Program, AFullDiskLeavesNothingBehind) {
+  expect_fault(run(small("x.exr"), 512), 1, "x.exr");
+  EXPECT_EQ(files(), Arguments{});
+  expect_fault(run(small("x.png", {"--size", "64x64"}), 512), 1, "x.png");
+  EXPECT_EQ(files(), Arguments{});
+}
+
+TEST_F(Program, AFullDeviceIsReported) {
+  Outcome outcome = run({"scenes"}, RLIM_INFINITY, "/dev/full");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("standard output"), std::string::npos) << outcome.err;
+  expect_fault(run({"scenes", "--quiet", "--json", "/dev/full"}, RLIM_INFINITY, "/dev/null"), 1, "/dev/full");
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+TEST_F(Program, NoWindowWithoutADisplay) {
+  expect_fault(run({"render", "cornell", "--size", "8x8", "--backend", "window", "-o", "x.exr"}), 4, "");
+  EXPECT_EQ(files(), Arguments{});
+}
+
+TEST_F(Program, HelpAndListsGoToStandardOutput) {
+  for (const Arguments& arguments : {Arguments{"--help"},
+                                     {"render", "--help"},
+                                     {"--version"},
+                                     {"techniques"},
+                                     {"scenes"},
+                                     {"techniques", "--settings"},
+                                     {"--completions", "bash"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_NE(outcome.out, "");
+    EXPECT_EQ(outcome.err, "");
+  }
+  EXPECT_NE(run({"techniques"}).out.find("reference "), std::string::npos);
+  EXPECT_NE(run({"scenes"}).out.find("bedroom "), std::string::npos);
+}
+
+TEST_F(Program, RenderReportsWhatItDid) {
+  const Outcome outcome =
+      run(small("x.exr", {"--json", "x.json", "--seed", "5", "--threads", "2", "--aovs"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_NE(outcome.err.find("x.exr: 32x24, 2 samples a pixel"), std::string::npos) << outcome.err;
+  EXPECT_EQ(files(), (Arguments{"x.exr", "x.json"}));
+
+  const json report = json::parse(text_of(at("x.json")));
+  for (const char* key : {"scene",
+                          "technique",
+                          "target",
+                          "width",
+                          "height",
+                          "seed",
+                          "threads",
+                          "spp",
+                          "passes",
+                          "seconds",
+                          "cpu_seconds",
+                          "rays",
+                          "nan_samples",
+                          "estimated_relmse",
+                          "mean_radiance",
+                          "peak_memory_mb",
+                          "gl",
+                          "plan",
+                          "light_count",
+                          "cut_size",
+                          "warnings"})
+    EXPECT_TRUE(report.contains(key)) << key;
+  for (const char* key :
+       {"total", "load", "raster", "lights", "distribution", "sampling", "visibility", "resolve"})
+    EXPECT_GE(report["seconds"].at(key).get<double>(), 0) << key;
+  for (const char* key : {"visibility", "closest", "rejected"})
+    EXPECT_TRUE(report["rays"].contains(key)) << key;
+  EXPECT_EQ(report["width"], 32);
+  EXPECT_EQ(report["height"], 24);
+  EXPECT_EQ(report["spp"], 2.0);
+  EXPECT_EQ(report["seed"], 5);
+  EXPECT_EQ(report["threads"], 2);
+  EXPECT_EQ(report["technique"], "bidirectional");
+  EXPECT_EQ(report["target"], "discrete");
+  EXPECT_EQ(report["stopped_by"], "samples");
+  EXPECT_EQ(report["partial"], false);
+  EXPECT_EQ(report["gl"]["backend"], "none");
+  EXPECT_EQ(report["nan_samples"], 0);
+  EXPECT_GT(report["rays"]["visibility"], 0);
+  EXPECT_GT(report["estimated_relmse"], 0);
+  EXPECT_GT(report["peak_memory_mb"], 1);
+  EXPECT_GE(report["cpu_seconds"], 0);
+  double stages = 0;
+  for (const auto& [key, seconds] : report["seconds"].items())
+    if (key != "total") stages += seconds.get<double>();
+  EXPECT_LE(stages, 1.5 * report["seconds"]["total"].get<double>());
+  for (const json& stage : report["plan"]) {
+    EXPECT_FALSE(stage.at("stage").get<std::string>().empty());
+    EXPECT_TRUE(stage.at("runs").is_boolean());
+    EXPECT_FALSE(stage.at("why").get<std::string>().empty());
+  }
+}
+
+TEST_F(Program, JsonOnStandardOutputStandsAlone) {
+  const Outcome outcome = run(small("x.hdr", {"--json", "-"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out).at("width"), 32);
+  EXPECT_EQ(json::parse(run({"info", "cornell", "--json", "-"}).out).at("triangles"),
+            json::parse(run({"info", "cornell", "--json", "-"}).out).at("triangles"));
+  EXPECT_FALSE(json::parse(run({"techniques", "--json", "-"}).out).at("techniques").empty());
+  EXPECT_FALSE(json::parse(run({"scenes", "--json", "-"}).out).at("scenes").empty());
+}
+
+TEST_F(Program, EveryEndingIsWrittenAndReadable) {
+  for (const char* name : {"x.exr", "x.hdr", "x.png", "X.PNG"}) {
+    const Outcome outcome = run(small(name, {"--quiet"}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    const ImageRgb image = read_image(at(name), LoadLimits{});
+    EXPECT_EQ(image.width, 32) << name;
+    EXPECT_EQ(image.height, 24) << name;
+  }
+}
+
+TEST_F(Program, ThePictureDoesNotDependOnThreads) {
+  for (const char* target : {"discrete", "continuous"}) {
+    for (const char* threads : {"1", "2", "5"})
+      ASSERT_EQ(run(small(fmt::format("{}.exr", threads),
+                          {"--threads", threads, "--target", target, "--samples", "8"}))
+                    .code,
+                0);
+    for (const char* other : {"2.exr", "5.exr"})
+      EXPECT_EQ(run({"error", "1.exr", other, "--fail-above", "rmse=0"}).code, 0) << target << ' ' << other;
+  }
+  // The comparison can fail: another seed is another picture.
+  ASSERT_EQ(run(small("seed.exr", {"--seed", "1", "--target", "continuous", "--samples", "8"})).code, 0);
+  EXPECT_EQ(run({"error", "1.exr", "seed.exr", "--fail-above", "rmse=0"}).code, 5);
+}
+
+TEST_F(Program, TimeAndErrorEndAPicture) {
+  ASSERT_EQ(run(small("x.exr", {"--samples", "1000000", "--time", "0.3", "--json", "x.json"})).code, 0);
+  json report = json::parse(text_of(at("x.json")));
+  EXPECT_EQ(report["stopped_by"], "time");
+  EXPECT_GE(report["spp"], 1.0);
+
+  ASSERT_EQ(run(small("x.exr", {"--samples", "1000000", "--until-error", "0.05", "--json", "x.json"})).code,
+            0);
+  report = json::parse(text_of(at("x.json")));
+  EXPECT_EQ(report["stopped_by"], "error");
+  EXPECT_LE(report["estimated_relmse"], 0.05);
+
+  ASSERT_EQ(
+      run({"render", "cornell", "--size", "32x24", "--backend", "none", "-o", "x.exr", "--json", "x.json"})
+          .code,
+      0);
+  EXPECT_EQ(json::parse(text_of(at("x.json")))["spp"], 32.0);
+}
+
+TEST_F(Program, CtrlCKeepsWhatThereIs) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // Interrupted before the first sample there is nothing to keep: a slow machine gets more time.
+    Outcome outcome;
+    for (int seconds = 1; seconds <= 64; seconds *= 4) {
+      const pid_t child =
+          start({"render", "cornell", "--size", "160x120", "--time", "1000", "--virtual-lights", "512",
+                 "--backend", "none", "-o", "x.exr", "--json", "x.json"});
+      std::this_thread::sleep_for(std::chrono::seconds(seconds));
+      kill(child, signal);
+      outcome = finish(child);
+      if (fs::exists(at("x.exr"))) break;
+    }
+    EXPECT_EQ(outcome.code, 130);
+    EXPECT_EQ(files(), (Arguments{"x.exr", "x.json"}));
+    const json report = json::parse(text_of(at("x.json")));
+    EXPECT_EQ(report["stopped_by"], "interrupted");
+    EXPECT_EQ(report["partial"], true);
+    EXPECT_EQ(read_image(at("x.exr"), LoadLimits{}).width, 160);
+    EXPECT_NE(text_of(at("x.exr")).find("partial"), std::string::npos);
+    fs::remove(at("x.exr"));
+  }
+}
+
+TEST_F(Program, ErrorMeasuresAndJudges) {
+  ASSERT_EQ(run(small("a.exr")).code, 0);
+  ASSERT_EQ(run(small("b.exr", {"--seed", "3"})).code, 0);
+  ASSERT_EQ(run(small("c.exr", {"--size", "24x32"})).code, 0);
+  Outcome outcome = run(
+      {"error", "a.exr", "a.exr", "--json", "e.json", "--fail-above", "relmse=0", "--fail-above", "flip=0"});
+  EXPECT_EQ(outcome.code, 0);
+  json report = json::parse(text_of(at("e.json")));
+  for (const char* metric : {"relmse", "relmse-trimmed", "rmse", "smape", "flip"}) {
+    EXPECT_EQ(report.at(metric), 0.0) << metric;
+    EXPECT_NE(outcome.out.find(metric), std::string::npos);
+  }
+  outcome = run({"error", "a.exr", "b.exr", "--json", "e.json", "--fail-above", "rmse=1e-9", "--fail-above",
+                 "smape=2"});
+  EXPECT_EQ(outcome.code, 5);
+  report = json::parse(text_of(at("e.json")));
+  ASSERT_EQ(report["failed"].size(), 1u);
+  EXPECT_EQ(report["failed"][0]["metric"], "rmse");
+  expect_fault(run({"error", "a.exr", "c.exr"}), 3, "32x24");
+  expect_fault(run({"error", "a.exr", "missing.exr"}), 3, "missing.exr");
+}
+
+TEST_F(Program, InfoShowsSceneAndPlan) {
+  const Outcome outcome = run({"info", "cornell"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* words :
+       {"Geometry", "triangles", "Materials", "Cameras", "Plan for bidirectional", "runs"})
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << words;
+}
+
+TEST_F(Program, ScenesAreWrittenAndOpenAgain) {
+  ASSERT_EQ(run({"scenes", "--write", "made/here"}).code, 0);
+  const json made = json::parse(run({"info", "made/here/cornell.glb", "--json", "-"}).out);
+  const json built_in = json::parse(run({"info", "cornell", "--json", "-"}).out);
+  EXPECT_EQ(made["triangles"], built_in["triangles"]);
+  EXPECT_EQ(made["materials"]["models"], built_in["materials"]["models"]);
+}
+
+}  // namespace
+}  // namespace halflight
