@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "text_table.h"
+
 namespace halflight {
 
 namespace {
@@ -22,22 +24,10 @@ bool colour() {
   return on_terminal() && !(no_colour && *no_colour);
 }
 
-/// File names may hold anything; control characters would drive the terminal.
-std::string printable(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f)
-      result += c;
-    else
-      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-  }
-  return result;
-}
-
 void print(std::string_view ansi, std::string_view kind, std::string_view text) {
   const bool coloured = colour() && !kind.empty();
   const std::string line = fmt::format("halflight: {}{}{}{}\n", coloured ? ansi : "", kind,
-                                       coloured ? "\x1b[0m" : "", printable(text));
+                                       coloured ? "\x1b[0m" : "", terminal_safe(text));
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

@@ -2,11 +2,16 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace halflight {
 
-/// Each column as wide as its longest cell, two spaces between them; nothing after the last. Cells are UTF-8.
+/// Names from files may hold anything, and control characters would drive the terminal: they become \xNN.
+std::string terminal_safe(std::string_view text);
+
+/// Each column as wide as its longest cell, two spaces between them; nothing after the last. Cells are UTF-8,
+/// made `terminal_safe`.
 std::string text_table(const std::vector<std::vector<std::string>>& rows, const std::string& indent = "");
 
 /// 1234567 as "1,234,567".

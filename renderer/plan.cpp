@@ -86,13 +86,13 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
 
   const auto kind = [&](const char* name, bool runs, bool present, const char* what, bool asked) {
     stage(name, runs,
-          !present          ? std::string("no ") + what
+          !present          ? std::string("the scene has no ") + what
           : !needs.surfaces ? "nothing here reflects light"
           : !asked          ? unasked
-          : runs            ? std::string("the scene has ") + what
+          : runs            ? std::string("for the scene's ") + what
                             : "found outside S");
   };
-  kind("environment points", plan.kinds.environment, needs.environment, "an environment", direct);
+  kind("environment points", plan.kinds.environment, needs.environment, "environment", direct);
   kind("emitter points", plan.kinds.emitters, needs.emitters, "emissive surfaces", direct);
   kind("punctual points", plan.kinds.punctual, needs.punctual > 0, "punctual lights", direct);
   kind("surface points", plan.kinds.surfaces, needs.lit() && needs.surfaces, "lit surfaces", indirect);

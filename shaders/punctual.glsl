@@ -81,7 +81,7 @@ float texel_passes(GpuShadowView view, ivec2 texel, float depth) {
 }
 
 /// Fraction of the four texels around x that see it, weighed bilinearly. `n`: unit normal on the light's side.
-/// Bias: x is moved along n by one texel's width there, and each texel is compared with the depth its own centre line
+/// Bias: x is moved along n by half a texel's width there, and each texel is compared with the depth its own centre line
 /// has on the plane through the moved point, so that a flat surface never shadows itself however steeply it is lit.
 float visibility(GpuLight light, vec3 x, vec3 n) {
   if (light.shadow.y == 0u) return 1.0;

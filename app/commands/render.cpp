@@ -116,8 +116,11 @@ int run_render(const Options& options) {
   record.load_seconds = opened.seconds;
   record.total_seconds = since_start.seconds();
   record.cpu_seconds = process_cpu_seconds();
-  if (session.film().nan_samples() > 0)
-    messages.warn(fmt::format("{} samples were not finite and count as 0", session.film().nan_samples()));
+  if (const auto pixel = session.film().first_nan_pixel()) {
+    const auto width = static_cast<uint32_t>(session.film().width());
+    messages.warn(fmt::format("{} samples were not finite and count as 0; the first in pixel ({}, {}), seed {}",
+                              session.film().nan_samples(), *pixel % width, *pixel / width, session.settings().seed));
+  }
   progress.hide();
   warnings.print_new(messages);
 

@@ -14,10 +14,20 @@ Film::Film(int width, int height)
 void Film::add(uint32_t pixel, int half, Vec3 mean, uint32_t samples) {
   Pixel& p = pixels_[pixel];
   p.count[half] += samples;
-  if (is_finite(mean))
+  if (is_finite(mean)) {
     p.sum[half] += Vec3d(mean) * static_cast<double>(samples);
-  else
-    std::atomic_ref(nan_samples_).fetch_add(samples, std::memory_order_relaxed);
+    return;
+  }
+  std::atomic_ref(nan_samples_).fetch_add(samples, std::memory_order_relaxed);
+  std::atomic_ref first(first_nan_pixel_);
+  uint32_t known = first.load();
+  while (pixel < known && !first.compare_exchange_weak(known, pixel)) {
+  }
+}
+
+std::optional<uint32_t> Film::first_nan_pixel() const {
+  if (first_nan_pixel_ == no_pixel) return {};
+  return first_nan_pixel_;
 }
 
 void Film::merge(const Film& other) {
@@ -29,11 +39,13 @@ void Film::merge(const Film& other) {
     }
   }
   nan_samples_ += other.nan_samples_;
+  first_nan_pixel_ = std::min(first_nan_pixel_, other.first_nan_pixel_);
 }
 
 void Film::clear() {
   std::fill(pixels_.begin(), pixels_.end(), Pixel{});
   nan_samples_ = 0;
+  first_nan_pixel_ = no_pixel;
 }
 
 uint32_t Film::samples(uint32_t pixel) const { return pixels_[pixel].count[0] + pixels_[pixel].count[1]; }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/image.h"
@@ -40,7 +41,8 @@ class Film {
   /// samples.
   double estimated_relmse() const;
   uint64_t nan_samples() const { return nan_samples_; }
-  void count_nan() { ++nan_samples_; }
+  /// The first pixel, row by row, that had a sample which was not finite; nothing where there was none.
+  std::optional<uint32_t> first_nan_pixel() const;
   Vec3 mean_radiance() const;
 
  private:
@@ -50,7 +52,9 @@ class Film {
   };
   int width_ = 0, height_ = 0;
   std::vector<Pixel> pixels_;
+  static constexpr uint32_t no_pixel = 0xffffffffu;
   uint64_t nan_samples_ = 0;
+  uint32_t first_nan_pixel_ = no_pixel;
 };
 
 }  // namespace halflight

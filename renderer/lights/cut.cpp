@@ -55,9 +55,10 @@ void refine(const LightTree& tree, uint32_t root, const CutSettings& settings, s
 }
 
 void resize_padded(Cut& cut, size_t padded) {
-  for (auto* array : {&cut.power, &cut.radiance, &cut.centre_x, &cut.centre_y, &cut.centre_z, &cut.normal_x,
-                      &cut.normal_y, &cut.normal_z, &cut.radius, &cut.low_x, &cut.low_y, &cut.low_z,
-                      &cut.high_x, &cut.high_y, &cut.high_z, &cut.softening, &cut.has_extent})
+  for (auto* array : {&cut.power,    &cut.radiance, &cut.centre_x, &cut.centre_y,  &cut.centre_z,
+                      &cut.normal_x, &cut.normal_y, &cut.normal_z, &cut.radius,    &cut.extent_x,
+                      &cut.extent_y, &cut.extent_z, &cut.low_x,    &cut.low_y,     &cut.low_z,
+                      &cut.high_x,   &cut.high_y,   &cut.high_z,   &cut.softening, &cut.has_extent})
     array->assign(padded, 0.0f);
   for (auto* array : {&cut.measure, &cut.local, &cut.normal_spread}) array->assign(padded, 1.0f);
   for (auto* array : {&cut.node, &cut.begin, &cut.end}) array->assign(padded, 0);
@@ -74,7 +75,9 @@ void fill_cluster(Cut& cut, uint32_t k, const LightNode& node) {
   cut.measure[k] = node.measure;
   cut.centre_x[k] = node.centre.x, cut.centre_y[k] = node.centre.y, cut.centre_z[k] = node.centre.z;
   cut.normal_x[k] = normal.x, cut.normal_y[k] = normal.y, cut.normal_z[k] = normal.z;
-  cut.radius[k] = glm::length(glm::max(node.high - node.centre, node.centre - node.low));
+  const Vec3 extent = glm::max(node.high - node.centre, node.centre - node.low);
+  cut.extent_x[k] = extent.x, cut.extent_y[k] = extent.y, cut.extent_z[k] = extent.z;
+  cut.radius[k] = glm::length(extent);
   cut.low_x[k] = node.low.x, cut.low_y[k] = node.low.y, cut.low_z[k] = node.low.z;
   cut.high_x[k] = node.high.x, cut.high_y[k] = node.high.y, cut.high_z[k] = node.high.z;
   cut.local[k] = distant ? 0.0f : 1.0f;

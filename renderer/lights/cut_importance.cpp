@@ -9,6 +9,7 @@ namespace {
 /// The cut's arrays as pointers, and the point: what the loops below read.
 struct View {
   const float *centre_x, *centre_y, *centre_z, *normal_x, *normal_y, *normal_z;
+  const float *extent_x, *extent_y, *extent_z;
   const float *power, *radius, *local, *normal_spread, *softening, *has_extent;
   float *importance, *guard, *arriving;
   Vec3 x;
@@ -21,7 +22,8 @@ struct View {
 /// A cluster from x.
 struct Seen {
   Vec3 w;          ///< unit, towards its centre
-  float arriving;  ///< Φ_k c'/(r² + a c'): l_k Ω_k, with c' widened by R/r
+  float arriving;  ///< Φ_k c'/(r² + a c'): l_k Ω_k, with c' widened by the box's extent
+  float cosine;    ///< at x, widened likewise
   float reach;     ///< R/r
   float guard;
 };
@@ -41,16 +43,19 @@ HALFLIGHT_INLINE Seen see_cluster(const View& v, size_t k) {
   Seen seen;
   seen.w = Vec3(dx * inverse_r, dy * inverse_r, dz * inverse_r);
   seen.reach = v.radius[k] * inverse_r;
-  const float faces = v.normal_x[k] * seen.w.x + v.normal_y[k] * seen.w.y + v.normal_z[k] * seen.w.z;
-  const float cos_light = clamp_to_unit(v.normal_spread[k] + seen.reach - faces);
+  // A cosine is at most what the box's farthest point along the normal gives: a flat cluster in the point's
+  // own plane gives nothing, however near it is.
+  const float ex = v.extent_x[k] * inverse_r, ey = v.extent_y[k] * inverse_r, ez = v.extent_z[k] * inverse_r;
+  const float nx = v.normal_x[k], ny = v.normal_y[k], nz = v.normal_z[k];
+  const float faces = nx * seen.w.x + ny * seen.w.y + nz * seen.w.z;
+  const float wide_light = std::abs(nx) * ex + std::abs(ny) * ey + std::abs(nz) * ez;
+  const float cos_light = clamp_to_unit(v.normal_spread[k] + wide_light - faces);
+  const Vec3 n = v.basis.normal;
+  const float wide = std::abs(n.x) * ex + std::abs(n.y) * ey + std::abs(n.z) * ez;
+  seen.cosine = clamp_to_unit(n.x * seen.w.x + n.y * seen.w.y + n.z * seen.w.z + wide);
   seen.arriving = v.power[k] * cos_light / (r2 + v.softening[k] * cos_light);
   seen.guard = v.power[k] / (r2 + v.radius[k] * v.radius[k] * v.local[k]);
   return seen;
-}
-
-HALFLIGHT_INLINE float widened_cosine(const View& v, const Seen& seen) {
-  const Vec3 n = v.basis.normal;
-  return clamp_to_unit(n.x * seen.w.x + n.y * seen.w.y + n.z * seen.w.z + seen.reach);
 }
 
 HALFLIGHT_SIMD_CLONES void guard_loop(const View& v, size_t count) {
@@ -63,7 +68,7 @@ HALFLIGHT_SIMD_CLONES void diffuse_loop(const View& v, size_t count) {
   for (size_t k = 0; k < count; ++k) {
     const Seen seen = see_cluster(v, k);
     v.guard[k] = seen.guard;
-    v.importance[k] = seen.arriving * (v.diffuse * widened_cosine(v, seen));
+    v.importance[k] = seen.arriving * (v.diffuse * seen.cosine);
   }
 }
 
@@ -100,7 +105,7 @@ HALFLIGHT_SIMD_CLONES void phong_loop(const View& v, const PhongLobe& lobe, size
     const float kappa = wide > least_sharpness ? wide : least_sharpness;
     const float specular = lobe.scale * filtered_gaussian(lobe.axis, lobe.sharpness, seen.w, kappa);
     const float prior = 1.0f - v.counted * v.has_extent[k];
-    v.importance[k] = seen.arriving * widened_cosine(v, seen) * (v.diffuse + prior * specular);
+    v.importance[k] = seen.arriving * seen.cosine * (v.diffuse + prior * specular);
   }
 }
 
@@ -157,7 +162,7 @@ HALFLIGHT_SIMD_CLONES void half_vector_loop(const View& v, const HalfVectorLobe&
     const float density = det_over_q * det_over_q * std::sqrt(norm / det) * fresnel /
                           (pi * (jacobian > 1e-4f ? jacobian : 1e-4f));
 
-    const float cosine = clamp_to_unit(iz + seen.reach);
+    const float cosine = seen.cosine;
     const float above = cosine > 0.0f ? 1.0f : 0.0f;
     const float prior = above * (1.0f - v.counted * v.has_extent[k]);
     v.importance[k] = seen.arriving * (v.diffuse * cosine + prior * density);
@@ -168,6 +173,7 @@ View make_view(const Cut& cut, Vec3 x) {
   View v{};
   v.centre_x = cut.centre_x.data(), v.centre_y = cut.centre_y.data(), v.centre_z = cut.centre_z.data();
   v.normal_x = cut.normal_x.data(), v.normal_y = cut.normal_y.data(), v.normal_z = cut.normal_z.data();
+  v.extent_x = cut.extent_x.data(), v.extent_y = cut.extent_y.data(), v.extent_z = cut.extent_z.data();
   v.power = cut.power.data(), v.radius = cut.radius.data(), v.local = cut.local.data();
   v.normal_spread = cut.normal_spread.data(), v.softening = cut.softening.data();
   v.has_extent = cut.has_extent.data();

@@ -67,6 +67,7 @@ struct Cut {
   std::vector<float> centre_x, centre_y, centre_z;
   std::vector<float> normal_x, normal_y, normal_z;  ///< mean normal; 0 where emission does not depend on it
   std::vector<float> radius;                        ///< distance from the centre to the box's farthest corner
+  std::vector<float> extent_x, extent_y, extent_z;  ///< from the centre to the box's farther face, each axis
   std::vector<float> low_x, low_y, low_z, high_x, high_y, high_z;
   std::vector<LightKind> kind;
 

@@ -22,12 +22,15 @@ struct GlDescription {
   bool software = false;  ///< llvmpipe, softpipe or swrast
 };
 
-/// An OpenGL 4.3+ core context without a window (EGL or OSMesa), current on the thread that made it.
+/// An OpenGL core context, 4.3 or later with ARB_clip_control, current on the thread that made it. Several
+/// may live at once.
 class GlContext {
  public:
-  /// Throws Error (exit code 4) naming what was tried. `automatic` tries EGL, then OSMesa.
+  /// Throws Error (exit code 4) naming what was tried and why it failed. `automatic` tries EGL (GPUs first),
+  /// then OSMesa; `window` makes a hidden GLFW window.
   static std::unique_ptr<GlContext> make_headless(Backend);
-  /// Wraps a context that is already current (a GLFW window's); `get_proc` finds its functions.
+  /// Wraps a context that is current and stays so (a GLFW window's); `get_proc` finds its functions. Throws
+  /// Error (exit code 4) where it will not do.
   static std::unique_ptr<GlContext> adopt(void* (*get_proc)(const char*));
   virtual ~GlContext() = default;
 
@@ -42,7 +45,9 @@ struct RasterSettings {
   int shadow_cube_size = 1024;
 };
 
-/// A scene on the GPU.
+/// A scene on the GPU. Keeps references to the context and the scene. Its functions make the context current
+/// on the calling thread, leave its state as they found it, and throw Error: exit code 4 where OpenGL runs
+/// out of memory or its context is lost (the caller may go on with rays), else 1.
 class Rasterizer {
  public:
   /// Uploads geometry, materials and textures. Out of memory halves the textures and says so in `messages`.
@@ -58,8 +63,8 @@ class Rasterizer {
   /// Draws the shadow maps of all punctual lights; call again when a light's place changes.
   void update_shadow_maps();
 
-  /// Irradiance from the punctual lights on both sides of each point in one draw, read back (2·i front, 2·i +
-  /// 1 back).
+  /// Irradiance from the punctual lights on both sides of each point (2·i front, 2·i + 1 back), all in one
+  /// dispatch. Here and below, shadow maps are drawn first where a light's place is not the one they show.
   std::vector<Vec3> light_points(const std::vector<BouncePoint>&);
 
   /// D_punctual of the G-buffer drawn last, by shadow maps: f · cos θ · E, added to `radiance` (one a pixel).

@@ -37,12 +37,13 @@ void add_wood_and_metal(Bedroom& room) {
   room.dark_wood = textured(scene, plain_material("walnut", Vec3(1), 0.35f), walnut);
   room.brass = add_material(scene, metal_material("brass", {0.89f, 0.66f, 0.34f}, 0.25f));
   room.steel = add_material(scene, metal_material("steel", {0.60f, 0.58f, 0.56f}, 0.15f));
+  room.enamel = add_material(scene, plain_material("cream enamel", {0.72f, 0.62f, 0.46f}, 0.25f));
   room.black = add_material(scene, plain_material("black lacquer", {0.012f, 0.012f, 0.014f}, 0.2f));
 }
 
 void add_fabrics(Bedroom& room) {
   Scene& scene = room.scene;
-  const TextureUse weave = add_texture(scene, weave_texture(256, 32, 0.45f, 21), "weave", {0.12f, 0.12f});
+  const TextureUse weave = add_texture(scene, weave_texture(256, 32, 0.28f, 21), "weave", {0.12f, 0.12f});
   const auto fabric = [&](const char* name, Vec3 color, float u, float v) {
     return textured(scene, plain_material(name, color, 0.9f), scaled(weave, u, v));
   };

@@ -10,7 +10,7 @@ namespace halflight {
 /// The scene being furnished and the materials its parts share.
 struct Bedroom {
   Scene scene;
-  uint32_t wall, feature_wall, trim, floor, dark_wood, light_wood, brass, steel, black;
+  uint32_t wall, feature_wall, trim, floor, dark_wood, light_wood, brass, steel, black, enamel;
   uint32_t linen, duvet, upholstery, throw_wool, cushion, curtain, rug, paper;
   std::array<uint32_t, 8> book_covers;
   uint32_t ceramic_white, ceramic_blue, terracotta, leaf, glass;

@@ -79,9 +79,9 @@ void add_lamp(Bedroom& room) {
   const Mat4 at = move({lamp_position.x, 0, lamp_position.z});
   const std::vector<Vec2> foot{{0, 0},          {0.155f, 0},     {0.16f, 0.006f}, {0.155f, 0.018f},
                                {0.10f, 0.028f}, {0.03f, 0.036f}, {0.016f, 0.06f}, {0.0125f, 0.09f}};
-  place(scene, lathe_mesh(foot, 48), room.brass, at);
+  place(scene, lathe_mesh(foot, 48), room.enamel, at);
   const float rim = lamp_position.y;
-  place(scene, tube_mesh(std::vector<Vec3>{{0, 0.08f, 0}, {0, rim - 0.165f, 0}}, 20, 0.0115f), room.brass,
+  place(scene, tube_mesh(std::vector<Vec3>{{0, 0.08f, 0}, {0, rim - 0.165f, 0}}, 20, 0.0115f), room.enamel,
         at);
   // An opaque bowl, open at the top; the light stands at its rim, so that nothing below the rim is lit
   // directly.
@@ -93,7 +93,7 @@ void add_lamp(Bedroom& room) {
   for (int i = static_cast<int>(bowl.size()) - 4; i >= 3; --i)
     bowl.push_back(bowl[i] - Vec2(0.003f, -0.003f));
   bowl.push_back({0, rim - 0.172f});
-  place(scene, lathe_mesh(bowl, 48), room.brass, at);
+  place(scene, lathe_mesh(bowl, 48), room.enamel, at);
 
   PunctualLight light;
   light.name = "uplighter";
@@ -105,7 +105,7 @@ void add_lamp(Bedroom& room) {
   const Vec2 away = glm::normalize(Vec2(0.77f, 0.64f)) * std::sin(tilt);
   light.direction = {away.x, std::cos(tilt), away.y};
   light.up = basis_along(light.direction, {0, 0, -1}).tangent;
-  light.intensity = 29.0f * Vec3(1.0f, 0.84f, 0.66f);
+  light.intensity = 27.0f * Vec3(1.0f, 0.84f, 0.66f);
   light.inner_cone = glm::radians(46.0f), light.outer_cone = pi / 2 - tilt;
   scene.lights.push_back(light);
 }

@@ -82,9 +82,10 @@ void add_door(Bedroom& room) {
   Scene& scene = room.scene;
   const Mat4 at = move({room_size.x, 0, 3.4f}) * turn(-pi / 2, {0, 1, 0});
   place(scene, box_mesh({0.86f, 2.04f, 0.03f}, 0.004f, 1), room.trim, at * move({0, 1.02f, 0.005f}));
-  const std::vector<Vec2> casing{{0, 0},         {0, 0.03f},      {0.02f, 0.036f},
-                                 {0.07f, 0.03f}, {0.085f, 0.02f}, {0.085f, 0}};
-  place(scene, frame_mesh({0.9f, 4.12f}, casing), room.trim, at);
+  for (const float side : {-1.0f, 1.0f})
+    place(scene, box_mesh({0.085f, 2.06f, 0.035f}, 0.012f, 2), room.trim,
+          at * move({side * 0.4925f, 1.03f, 0.0165f}));
+  place(scene, box_mesh({1.11f, 0.09f, 0.045f}, 0.012f, 2), room.trim, at * move({0, 2.105f, 0.0215f}));
   const std::vector<Vec2> panel{
       {-0.05f, 0.018f}, {-0.045f, 0.028f}, {-0.03f, 0.024f}, {0, 0.03f}, {0.012f, 0.018f}};
   for (const float y : {0.62f, 1.55f})
@@ -114,10 +115,14 @@ void add_curtains(Bedroom& room) {
     const Mesh cloth = grid_mesh({132, 24}, [&](float u, float v) {
       const float y = bottom + v * (top - bottom), fall = 1 - v;
       const float wander = 0.6f * gradient_noise({3 * u, 1.2f * v, 0}, seed);
-      const float phase = 2 * pi * (9 * u + 0.18f * wander * fall);
-      const float depth = 0.028f + 0.03f * fall + 0.012f * gradient_noise({5 * u, v, 3}, seed);
-      const float sway = 0.02f * fall * gradient_noise({2.5f * u, 2 * v, 7}, seed);
-      const float z = from + (to - from) * (u + 0.012f * std::sin(2 * phase) + 0.01f * wander * fall);
+      // No two folds are as wide or as deep.
+      const float uneven = 0.55f * gradient_noise({4.3f * u, 0, 11}, seed) +
+                           0.15f * gradient_noise({11 * u, 0.8f * v, 13}, seed);
+      const float phase = 2 * pi * (8 * u + uneven + 0.25f * wander * fall);
+      const float depth =
+          (0.024f + 0.036f * fall) * (1 + 0.7f * gradient_noise({5.3f * u, 0.7f * v, 3}, seed));
+      const float sway = 0.03f * fall * gradient_noise({2.5f * u, 2 * v, 7}, seed);
+      const float z = from + (to - from) * (u + 0.014f * std::sin(2 * phase) + 0.02f * wander * fall);
       return Vec3(0.13f + depth * std::sin(phase) + sway, y, z);
     });
     place(scene, cloth, room.curtain);

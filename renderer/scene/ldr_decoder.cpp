@@ -55,10 +55,22 @@ bool is_truncated_jpeg(std::span<const uint8_t> bytes) {
          bytes.end();
 }
 
+/// Checks a PNG's size before stb does, which only says that the header is bad. IHDR comes first, at byte 8.
+void check_png_size(std::span<const uint8_t> bytes, const LoadLimits& limits, const Place& at) {
+  if (bytes.size() < 24 || !begins_with(bytes, "IHDR", 12)) return;
+  const auto size_at = [&](size_t i) {
+    const uint32_t size =
+        static_cast<uint32_t>(bytes[i]) << 24 | bytes[i + 1] << 16 | bytes[i + 2] << 8 | bytes[i + 3];
+    return static_cast<int>(std::min<uint32_t>(size, std::numeric_limits<int>::max()));
+  };
+  check_size(size_at(16), size_at(20), limits, at);
+}
+
 ImageRgba8 decode_stb(std::span<const uint8_t> bytes, const LoadLimits& limits, const Place& at) {
   if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     throw at.error("IMAGE_DATA_INVALID: too large");
   const int size = static_cast<int>(bytes.size());
+  if (bytes[0] == 0x89) check_png_size(bytes, limits, at);
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(bytes.data(), size, &width, &height, &channels)) {
     throw at.error("IMAGE_DATA_INVALID: damaged header");

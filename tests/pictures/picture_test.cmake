@@ -1,5 +1,5 @@
 # Renders one picture with the shipped program under each back end, checks it, and holds the back ends against each other.
-# cmake -DPROGRAM= -DCHECK= -DFOLDER= -DNAME= -DSIZE= -DLIT= -DDISTANCE= "-DARGUMENTS=a;b" -P picture_test.cmake
+# cmake -DPROGRAM= -DCHECK= -DFOLDER= -DNAME= -DSIZE= -DLIT= -DDISTANCE= [-DEV=] "-DARGUMENTS=a;b" -P picture_test.cmake
 # What it renders stays in FOLDER, for a look at a picture that failed.
 file(MAKE_DIRECTORY ${FOLDER})
 
@@ -27,7 +27,7 @@ foreach(backend none egl osmesa)
     message(FATAL_ERROR "${backend}: ${nan_samples} samples were not finite")
   endif()
 
-  execute_process(COMMAND ${CHECK} ${picture} ${SIZE} ${LIT} RESULT_VARIABLE code COMMAND_ECHO STDOUT)
+  execute_process(COMMAND ${CHECK} ${picture} ${SIZE} ${LIT} ${EV} RESULT_VARIABLE code COMMAND_ECHO STDOUT)
   if(NOT code EQUAL 0)
     message(FATAL_ERROR "${backend}: the picture is wrong")
   endif()

@@ -17,7 +17,8 @@ inline std::string base64(const std::vector<uint8_t>& bytes) {
     uint32_t group = bytes[i] << 16;
     if (i + 1 < bytes.size()) group |= bytes[i + 1] << 8;
     if (i + 2 < bytes.size()) group |= bytes[i + 2];
-    for (size_t k = 0; k < 4; ++k) text += i + k < bytes.size() + 1 ? digits[group >> (18 - 6 * k) & 63] : '=';
+    for (size_t k = 0; k < 4; ++k)
+      text += i + k < bytes.size() + 1 ? digits[group >> (18 - 6 * k) & 63] : '=';
   }
   return text;
 }
@@ -31,7 +32,8 @@ struct GltfFixture {
   template <class T>
   size_t add_view(const std::vector<T>& values, nlohmann::json extra = nlohmann::json::object()) {
     while (bytes.size() % 4 != 0) bytes.push_back(0);
-    nlohmann::json view = {{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", values.size() * sizeof(T)}};
+    nlohmann::json view = {
+        {"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", values.size() * sizeof(T)}};
     view.update(extra);
     const auto* first = reinterpret_cast<const uint8_t*>(values.data());
     bytes.insert(bytes.end(), first, first + values.size() * sizeof(T));
@@ -58,7 +60,7 @@ struct GltfFixture {
 
   /// A mesh of one primitive shown by one node.
   void show(const nlohmann::json& primitive) {
-    json["meshes"].push_back({{"primitives", {primitive}}});
+    json["meshes"].push_back({{"primitives", nlohmann::json::array({primitive})}});
     json["nodes"].push_back({{"mesh", json["meshes"].size() - 1}});
     json["scenes"] = {{{"nodes", nlohmann::json::array()}}};
     for (size_t i = 0; i < json["nodes"].size(); ++i) json["scenes"][0]["nodes"].push_back(i);
@@ -70,7 +72,8 @@ struct GltfFixture {
   std::string text() const {
     nlohmann::json out = json;
     if (!bytes.empty() && !out.contains("buffers")) {
-      out["buffers"] = {{{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
+      out["buffers"] = {
+          {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
     }
     return out.dump();
   }
@@ -96,9 +99,12 @@ struct GltfFixture {
 
   template <class T>
   static int component() {
-    if constexpr (std::is_same_v<T, float>) return 5126;
-    else if constexpr (sizeof(T) == 4) return 5125;
-    else return (sizeof(T) == 2 ? 5122 : 5120) + (std::is_unsigned_v<T> ? 1 : 0);
+    if constexpr (std::is_same_v<T, float>)
+      return 5126;
+    else if constexpr (sizeof(T) == 4)
+      return 5125;
+    else
+      return (sizeof(T) == 2 ? 5122 : 5120) + (std::is_unsigned_v<T> ? 1 : 0);
   }
   static size_t width(const std::string& type) {
     if (type == "SCALAR") return 1;
@@ -137,7 +143,8 @@ struct LoadOutcome {
   }
 };
 
-inline LoadOutcome load_outcome(const std::filesystem::path& path, const LoadOptions& options = {}, bool strict = false) {
+inline LoadOutcome load_outcome(const std::filesystem::path& path, const LoadOptions& options = {},
+                                bool strict = false) {
   LoadOutcome outcome;
   Messages messages;
   messages.strict = strict;
@@ -151,7 +158,8 @@ inline LoadOutcome load_outcome(const std::filesystem::path& path, const LoadOpt
   return outcome;
 }
 
-inline LoadOutcome load_outcome(const GltfFixture& gltf, const LoadOptions& options = {}, bool strict = false) {
+inline LoadOutcome load_outcome(const GltfFixture& gltf, const LoadOptions& options = {},
+                                bool strict = false) {
   const TemporaryFolder folder;
   return load_outcome(folder.write("test.gltf", gltf.text()), options, strict);
 }

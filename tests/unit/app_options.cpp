@@ -360,6 +360,7 @@ TEST(Help, CompletionsNameEveryOption) {
 
 TEST(TextTable, AlignsCodePoints) {
   EXPECT_EQ(text_table({{"a", "b"}, {"Å…", "c", "d"}}), "a   b\nÅ…  c  d\n");
+  EXPECT_EQ(text_table({{"a\x1b[2J\n", "b"}}), "a\\x1b[2J\\x0a  b\n");
   EXPECT_EQ(grouped(0), "0");
   EXPECT_EQ(grouped(1234567), "1,234,567");
   EXPECT_EQ(grouped(123456), "123,456");

@@ -211,7 +211,10 @@ TEST_P(RasterGBuffer, EmptyScenesAndTinyPicturesAreDrawn) {
   nothing.add_punctual(gbuffer, radiance);
   EXPECT_EQ(radiance[5], Vec3(1));
 
-  const Scene scene = feature_scene();
+  Scene scene;
+  scene.materials.push_back(diffuse_material(Vec3(0.5f)));
+  add_quad(scene, {-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 0);
+  update_bounds(scene);
   Rasterizer raster(*context, scene, {}, messages);
   gbuffer.resize(1, 1);
   raster.draw_gbuffer(camera, Vec2(0), 0, gbuffer);

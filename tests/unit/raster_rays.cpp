@@ -57,8 +57,8 @@ class RasterAndRays : public OnBackend {
     EXPECT_GE(static_cast<double>(close), 0.999 * static_cast<double>(same));
   }
 
-  /// Sums within 1 %, and 95 % of the single values within 2 %.
-  void compare_light(const std::vector<Vec3>& raster, const std::vector<Vec3>& rays) {
+  /// Sums within 1 %, and `share` of the single values within 2 %.
+  void compare_light(const std::vector<Vec3>& raster, const std::vector<Vec3>& rays, double share) {
     ASSERT_EQ(raster.size(), rays.size());
     Vec3d raster_sum(0), rays_sum(0);
     size_t lit = 0, close = 0;
@@ -70,7 +70,7 @@ class RasterAndRays : public OnBackend {
       close += max_component(glm::abs(raster[i] - rays[i])) <= 0.02f * greatest;
     }
     EXPECT_GT(lit, rays.size() / 10);
-    EXPECT_GE(static_cast<double>(close), 0.95 * static_cast<double>(lit));
+    EXPECT_GE(static_cast<double>(close), share * static_cast<double>(lit));
     EXPECT_NEAR(glm::length(raster_sum) / glm::length(rays_sum), 1, 0.01);
   }
 
@@ -91,7 +91,7 @@ class RasterAndRays : public OnBackend {
     std::vector<Vec3> direct(by_raster.pixel_count(), Vec3(0)), traced = direct;
     raster.add_punctual(by_raster, direct);
     add_punctual_by_rays(ray_scene, by_raster, 0, traced, counters);
-    compare_light(direct, traced);
+    compare_light(direct, traced, 0.95);
 
     LightPointSettings settings;
     settings.count = 4096;
@@ -99,8 +99,9 @@ class RasterAndRays : public OnBackend {
     const std::vector<BouncePoint> points = spread_surface_points(scene, settings);
     ASSERT_EQ(points.size(), settings.count);
     const PointLighting punctual_only{true, false, false, 1, 0};
-    compare_light(raster.light_points(points),
-                  irradiance_by_rays(ray_scene, points, punctual_only, counters));
+    // Many points lie in folds and between things, within a texel of a shadow's edge.
+    compare_light(raster.light_points(points), irradiance_by_rays(ray_scene, points, punctual_only, counters),
+                  0.85);
     EXPECT_EQ(counters.rejected, 0u);
   }
 };

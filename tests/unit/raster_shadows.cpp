@@ -20,16 +20,17 @@ Scene shadow_scene() {
   Material phong;
   phong.model = BrdfModel::phong;
   phong.diffuse = Vec3(0.5f);
-  phong.phong_specular = Vec3(0.3f);
-  phong.exponents = {30, 0};
+  phong.phong_specular = Vec3(0.6f);
+  phong.exponents = {3, 0};
   Material ashikhmin = phong;
   ashikhmin.model = BrdfModel::ashikhmin_shirley;
   ashikhmin.exponents = {20, 60};
   scene.materials = {floor, phong, ashikhmin};
-  add_quad(scene, {-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, 0);
+  add_quad(scene, {-5, 0, 5}, {5, 0, 0}, {0, 0, -10}, 0);
+  add_quad(scene, {0, 0, 5}, {5, 0, 0}, {0, 0, -10}, 1);
   add_box(scene, {-1.5f, 0, -1}, {-0.5f, 1.2f, 0}, 1);
   add_box(scene, {1, 0, -2}, {2, 2, -1}, 2);
-  add_sphere(scene, {0.4f, 0.9f, 0.6f}, 0.4f, 10, 0);
+  add_sphere(scene, {0.4f, 0.9f, 0.6f}, 0.4f, 6, 0);
   update_bounds(scene);
   return scene;
 }
@@ -185,10 +186,11 @@ Scene with_lights(const std::vector<PunctualLight>& lights) {
 }
 
 TEST_P(RasterShadows, SurfacePointsReceiveWhatReachesThem) {
+  Scene scene = with_lights({});
+  Rasterizer raster(*context, scene, {}, messages);
   for (const Case& c : light_cases()) {
     SCOPED_TRACE(c.name);
-    const Scene scene = with_lights(c.lights);
-    Rasterizer raster(*context, scene, {}, messages);
+    scene.lights = c.lights;
     raster.update_shadow_maps();
     const auto points = grid_points(1);
     const Agreement agreement = compare_points(scene, points, raster.light_points(points), 0.05f);
@@ -200,13 +202,14 @@ TEST_P(RasterShadows, SurfacePointsReceiveWhatReachesThem) {
 }
 
 TEST_P(RasterShadows, PixelsReceiveWhatReachesThem) {
+  Scene scene = with_lights({});
+  Rasterizer raster(*context, scene, {}, messages);
+  GBuffer gbuffer;
+  gbuffer.resize(80, 60);
+  raster.draw_gbuffer(shadow_camera(), Vec2(0), 0, gbuffer);
   for (const Case& c : light_cases()) {
     SCOPED_TRACE(c.name);
-    const Scene scene = with_lights(c.lights);
-    Rasterizer raster(*context, scene, {}, messages);
-    GBuffer gbuffer;
-    gbuffer.resize(80, 60);
-    raster.draw_gbuffer(shadow_camera(), Vec2(0), 0, gbuffer);
+    scene.lights = c.lights;
     std::vector<Vec3> radiance(gbuffer.pixel_count(), Vec3(0));
     raster.add_punctual(gbuffer, radiance);
     const Agreement agreement = compare_pixels(scene, gbuffer, radiance, 0.04f);
@@ -250,6 +253,7 @@ TEST_P(RasterShadows, AFlatFloorNeverShadowsItself) {
     p.normal = n;
     points.push_back(p);
   }
+  Rasterizer raster(*context, scene, {}, messages);
   for (const float elevation : {90.0f, 45.0f, 10.0f, 3.0f, 1.0f}) {
     SCOPED_TRACE(elevation);
     const float angle = elevation * pi / 180;
@@ -259,7 +263,6 @@ TEST_P(RasterShadows, AFlatFloorNeverShadowsItself) {
     lamp.position = 7.0f * to_light;
     for (const PunctualLight& light : {sun, lamp}) {
       scene.lights = {light};
-      Rasterizer raster(*context, scene, {}, messages);
       const auto irradiance = raster.light_points(points);
       int dark = 0;
       for (size_t i = 0; i < points.size(); ++i) {

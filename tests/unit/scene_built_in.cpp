@@ -217,6 +217,9 @@ TEST(BuiltInScenes, BedroomIsThePapersSize) {
   ASSERT_EQ(scene.lights.size(), 1u);
   for (const Material& m : scene.materials) EXPECT_FALSE(m.emissive());
   EXPECT_GE(scene.cameras.size(), 2u);
+  // Nothing is hidden outside the room: light points would be spent on it.
+  EXPECT_GT(scene.bounds.low.y, -0.001f);
+  EXPECT_LT(max_component(scene.bounds.extent()), 5.3f);
   for (const Camera& camera : scene.cameras)
     for (int k = 0; k < 3; ++k) {
       EXPECT_GT(camera.position[k], scene.bounds.low[k]);
