@@ -28,9 +28,11 @@ struct Seen {
   float guard;
 };
 
+/// v in [0, 1]. The lower bound is arithmetic: with a second comparison compilers see paths through a loop,
+/// and give up on vectors.
 HALFLIGHT_INLINE float clamp_to_unit(float v) {
   const float high = v < 1.0f ? v : 1.0f;
-  return high > 0.0f ? high : 0.0f;
+  return 0.5f * (high + std::abs(high));
 }
 
 HALFLIGHT_INLINE Seen see_cluster(const View& v, size_t k) {
@@ -163,7 +165,8 @@ HALFLIGHT_SIMD_CLONES void half_vector_loop(const View& v, const HalfVectorLobe&
                           (pi * (jacobian > 1e-4f ? jacobian : 1e-4f));
 
     const float cosine = seen.cosine;
-    const float above = cosine > 0.0f ? 1.0f : 0.0f;
+    // 0 below the horizon, near 1 a few degrees above it.
+    const float above = cosine / (cosine + 1.0f / 64);
     const float prior = above * (1.0f - v.counted * v.has_extent[k]);
     v.importance[k] = seen.arriving * (v.diffuse * cosine + prior * density);
   }

@@ -1,6 +1,5 @@
 #include "lights/light_tree.h"
 
-#include <tbb/parallel_invoke.h>
 
 #include <utility>
 
@@ -87,7 +86,7 @@ void Builder::split(uint32_t node, uint32_t begin, uint32_t end, uint32_t next_f
   const auto left = [&] { split(next_free, begin, middle, left_below, depth + 1); };
   const auto right = [&] { split(next_free + 1, middle, end, right_below, depth + 1); };
   if (end - begin >= least_parallel_count) {
-    tbb::parallel_invoke(left, right);
+    parallel_invoke(left, right);
   } else {
     left(), right();
   }

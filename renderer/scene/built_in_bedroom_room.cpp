@@ -83,9 +83,9 @@ void add_door(Bedroom& room) {
   const Mat4 at = move({room_size.x, 0, 3.4f}) * turn(-pi / 2, {0, 1, 0});
   place(scene, box_mesh({0.86f, 2.04f, 0.03f}, 0.004f, 1), room.trim, at * move({0, 1.02f, 0.005f}));
   for (const float side : {-1.0f, 1.0f})
-    place(scene, box_mesh({0.085f, 2.06f, 0.035f}, 0.012f, 2), room.trim,
+    place(scene, box_mesh({0.085f, 2.06f, 0.035f}, 0.012f, 1), room.trim,
           at * move({side * 0.4925f, 1.03f, 0.0165f}));
-  place(scene, box_mesh({1.11f, 0.09f, 0.045f}, 0.012f, 2), room.trim, at * move({0, 2.105f, 0.0215f}));
+  place(scene, box_mesh({1.11f, 0.09f, 0.045f}, 0.012f, 1), room.trim, at * move({0, 2.105f, 0.0215f}));
   const std::vector<Vec2> panel{
       {-0.05f, 0.018f}, {-0.045f, 0.028f}, {-0.03f, 0.024f}, {0, 0.03f}, {0.012f, 0.018f}};
   for (const float y : {0.62f, 1.55f})

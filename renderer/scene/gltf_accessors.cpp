@@ -85,20 +85,43 @@ std::span<const uint8_t> GltfReader::view(uint32_t index) {
   return buffer.bytes.subspan(view.offset, view.length);
 }
 
+bool GltfReader::view_has_data(uint32_t index) const {
+  const GltfBufferView& view = document_.views[index];
+  return !document_.buffers[view.meshopt ? view.meshopt->buffer : view.buffer].bytes.empty();
+}
+
+bool GltfReader::has_data(uint32_t index) const {
+  const GltfAccessor& accessor = document_.accessors[index];
+  if (accessor.view >= 0 && !view_has_data(static_cast<uint32_t>(accessor.view))) return false;
+  return !accessor.sparse ||
+         (view_has_data(accessor.sparse->index_view) && view_has_data(accessor.sparse->value_view));
+}
+
+void GltfReader::check_sparse_indices(uint32_t index) {
+  const GltfAccessor& accessor = document_.accessors[index];
+  const GltfSparse& sparse = *accessor.sparse;
+  const uint8_t* indices = view(sparse.index_view).data() + sparse.index_offset;
+  const size_t size = component_size(sparse.index_component);
+  for (uint64_t i = 0; i < sparse.count; ++i) {
+    const uint32_t target = component<uint32_t>(indices + i * size, sparse.index_component, false);
+    if (target >= accessor.count) {
+      source_.fail(accessor_place(index) + ".sparse", "ACCESSOR_SPARSE_INDEX_OOB",
+                   fmt::format("index {} at {}, the accessor has {} elements", target, i, accessor.count));
+    }
+  }
+}
+
 template <class T>
 void GltfReader::apply_sparse(uint32_t index, std::vector<T>& values) {
   const GltfAccessor& accessor = document_.accessors[index];
   const GltfSparse& sparse = *accessor.sparse;
+  check_sparse_indices(index);
   const uint8_t* indices = view(sparse.index_view).data() + sparse.index_offset;
   const uint8_t* replacements = view(sparse.value_view).data() + sparse.value_offset;
   const size_t index_size = component_size(sparse.index_component);
   const uint64_t width = accessor.width(), element = accessor.element_size();
   for (uint64_t i = 0; i < sparse.count; ++i) {
     const uint32_t target = component<uint32_t>(indices + i * index_size, sparse.index_component, false);
-    if (target >= accessor.count) {
-      source_.fail(accessor_place(index) + ".sparse", "ACCESSOR_SPARSE_INDEX_OOB",
-                   fmt::format("index {} at {}, the accessor has {} elements", target, i, accessor.count));
-    }
     read_elements(accessor, replacements + i * element, element, 1, values.data() + target * width);
   }
 }

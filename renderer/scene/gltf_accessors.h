@@ -14,6 +14,12 @@ class GltfReader {
   /// The view's bytes, decoded where they are compressed. Throws where the buffer has no data.
   std::span<const uint8_t> view(uint32_t index);
 
+  /// Whether the file gives the bytes behind a view or an accessor: a buffer may be left without any.
+  bool view_has_data(uint32_t view) const;
+  bool has_data(uint32_t accessor) const;
+  /// Throws ACCESSOR_SPARSE_INDEX_OOB; the accessor must be sparse and have data.
+  void check_sparse_indices(uint32_t accessor);
+
   /// count × width numbers; integers divided by their range where they are normalised.
   std::vector<float> floats(uint32_t accessor);
   /// count × width integers as they are. The component type must be an unsigned integer.

@@ -87,6 +87,11 @@ void animate(GltfSource& source, const GltfDocument& document, GltfReader& reade
       if (channel.node < 0 || channel.path == GltfPath::other) continue;
       if (!moved.insert({channel.node, channel.path}).second) continue;
       const GltfAnimationSampler& sampler = animation.samplers[channel.sampler];
+      const std::string place = fmt::format("animations[{}].channels[{}]", a, c);
+      if (!reader.has_data(sampler.input) || !reader.has_data(sampler.output)) {
+        source.warn(place, "UNDEFINED_PROPERTY", "its buffer has no data; the channel is ignored");
+        continue;
+      }
       GltfKeys keys;
       keys.times = reader.floats(sampler.input);
       keys.values = reader.floats(sampler.output);

@@ -142,6 +142,16 @@ bool draws_triangles(const GltfPrimitive& primitive) {
          find_attribute(primitive.attributes, "POSITION") >= 0;
 }
 
+void check_indices(const GltfSource& source, const std::vector<uint32_t>& indices, size_t vertex_count,
+                   std::string_view place) {
+  for (size_t i = 0; i < indices.size(); ++i) {
+    if (indices[i] >= vertex_count) {
+      source.fail(fmt::format("{}.indices", place), "ACCESSOR_INDEX_OOB",
+                  fmt::format("index {} at {}, there are {} vertices", indices[i], i, vertex_count));
+    }
+  }
+}
+
 GltfGeometry decode_primitive(const GltfSource& source, const GltfDocument& document, GltfReader& reader,
                               const GltfPrimitive& primitive, std::string_view place) {
   AttributeSource attributes(source, document, reader, primitive, place);
@@ -156,12 +166,7 @@ GltfGeometry decode_primitive(const GltfSource& source, const GltfDocument& docu
     indices.resize(count);
     std::iota(indices.begin(), indices.end(), 0u);
   }
-  for (size_t i = 0; i < indices.size(); ++i) {
-    if (indices[i] >= count) {
-      source.fail(fmt::format("{}.indices", place), "ACCESSOR_INDEX_OOB",
-                  fmt::format("index {} at {}, there are {} vertices", indices[i], i, count));
-    }
-  }
+  check_indices(source, indices, count, place);
   // Draco stores triangles whatever the mode says of its fallback.
   geometry.triangles =
       assemble(indices, attributes.is_draco() ? Mode::triangles : static_cast<Mode>(primitive.mode));

@@ -24,6 +24,10 @@ struct GltfGeometry {
 /// What sort of primitive this is: only triangles are drawn.
 bool draws_triangles(const GltfPrimitive&);
 
+/// Throws ACCESSOR_INDEX_OOB where an index names no vertex.
+void check_indices(const GltfSource&, const std::vector<uint32_t>& indices, size_t vertex_count,
+                   std::string_view place);
+
 /// Decodes a primitive. Throws where its data contradict themselves (ACCESSOR_INDEX_OOB).
 GltfGeometry decode_primitive(const GltfSource&, const GltfDocument&, GltfReader&, const GltfPrimitive&,
                               std::string_view place);

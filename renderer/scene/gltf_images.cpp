@@ -40,7 +40,9 @@ PendingImage locate(const GltfSource& source, const GltfDocument& document, Gltf
   const GltfImage& image = document.images[index];
   PendingImage pending;
   pending.index = index;
-  if (image.view >= 0) {
+  if (image.view >= 0 && !reader.view_has_data(static_cast<uint32_t>(image.view))) {
+    pending.fault = "UNDEFINED_PROPERTY: its buffer has neither 'uri' nor data";
+  } else if (image.view >= 0) {
     pending.bytes = reader.view(static_cast<uint32_t>(image.view));
   } else if (image.uri.empty()) {
     pending.fault = "ONE_OF_MISMATCH: has neither 'uri' nor 'bufferView'";

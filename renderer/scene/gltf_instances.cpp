@@ -55,6 +55,9 @@ class MeshImporter {
       const std::string place = fmt::format("meshes[{}].primitives[{}]", node.mesh, p);
       if (!draws_triangles(primitives[p])) {
         skip_primitive(primitives[p], place);
+      } else if (!has_data(primitives[p])) {
+        ++scene_.facts.skipped_primitives;
+        source_.warn(place, "UNDEFINED_PROPERTY", "its buffer has neither 'uri' nor data; it is skipped");
       } else if (singular) {
         ++scene_.facts.skipped_primitives;
         source_.warn(fmt::format("nodes[{}]", index), "NODE_MATRIX_SINGULAR",
@@ -76,6 +79,17 @@ class MeshImporter {
     } else {
       source_.warn(place, "MESH_PRIMITIVE_MODE", "points and lines are skipped");
     }
+  }
+
+  bool has_data(const GltfPrimitive& primitive) const {
+    const auto all_have = [&](const GltfAttributes& attributes) {
+      return std::all_of(attributes.begin(), attributes.end(), [&](const GltfAttribute& attribute) {
+        return reader_.has_data(attribute.accessor);
+      });
+    };
+    if (primitive.indices >= 0 && !reader_.has_data(static_cast<uint32_t>(primitive.indices))) return false;
+    return all_have(primitive.attributes) &&
+           std::all_of(primitive.targets.begin(), primitive.targets.end(), all_have);
   }
 
   uint32_t material_of(const GltfPrimitive& primitive) {
@@ -109,8 +123,7 @@ class MeshImporter {
 
   std::vector<glm::dmat4> joint_matrices(const GltfSkin& skin) {
     std::vector<float> bind;
-    if (skin.inverse_bind_matrices >= 0)
-      bind = reader_.floats(static_cast<uint32_t>(skin.inverse_bind_matrices));
+    if (skin.inverse_bind_matrices >= 0) bind = reader_.floats(static_cast<uint32_t>(accessor));
     std::vector<glm::dmat4> matrices;
     for (size_t j = 0; j < skin.joints.size(); ++j) {
       glm::dmat4 inverse(1);
@@ -237,10 +250,35 @@ size_t drop_unusable(Scene& scene) {
   return dropped;
 }
 
+/// What is not shown has not been decoded; its index values are tested all the same, as those of sparse
+/// accessors.
+void check_hidden_values(const GltfSource& source, const GltfDocument& document, GltfReader& reader,
+                         const GltfPose& pose) {
+  for (uint32_t i = 0; i < document.accessors.size(); ++i) {
+    if (document.accessors[i].sparse && reader.has_data(i)) reader.check_sparse_indices(i);
+  }
+  std::vector<bool> shown(document.meshes.size(), false);
+  for (const uint32_t node : pose.shown) {
+    if (document.nodes[node].mesh >= 0) shown[document.nodes[node].mesh] = true;
+  }
+  for (size_t m = 0; m < document.meshes.size(); ++m) {
+    const auto& primitives = document.meshes[m].primitives;
+    for (size_t p = 0; p < primitives.size() && !shown[m]; ++p) {
+      const int32_t indices = primitives[p].indices,
+                    positions = find_attribute(primitives[p].attributes, "POSITION");
+      if (indices < 0 || positions < 0 || primitives[p].draco) continue;
+      if (!reader.has_data(static_cast<uint32_t>(indices))) continue;
+      check_indices(source, reader.integers(static_cast<uint32_t>(indices)),
+                    document.accessors[positions].count, fmt::format("meshes[{}].primitives[{}]", m, p));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<bool> import_meshes(GltfSource& source, const GltfDocument& document, GltfReader& reader,
                                 const GltfPose& pose, Scene& scene) {
+  check_hidden_values(source, document, reader, pose);
   scene.materials = document.materials;
   MeshImporter importer(source, document, reader, pose, scene);
   for (const uint32_t node : pose.shown) importer.add_node(node);

@@ -43,9 +43,9 @@ void parse_textures(GltfSource& source, GltfDocument& document) {
     texture.source = object.index("source", "images");
     texture.sampler = object.index("sampler", "samplers");
     if (const auto webp = object.extension("EXT_texture_webp")) {
-      const int32_t image = webp->required_index("source", "images");
+      const int32_t image = webp->index("source", "images");
 #ifdef HALFLIGHT_HAVE_WEBP
-      texture.source = image;
+      if (image >= 0) texture.source = image;
 #else
       if (texture.source < 0) texture.source = image;
 #endif

@@ -69,11 +69,18 @@ LoadOutcome outcome_of(const fs::path& path) {
   return outcome;
 }
 
+/// The error, or else the warning that tells most.
+std::string telling_message(const LoadOutcome& outcome) {
+  if (!outcome.message.empty() || outcome.warnings.empty()) return outcome.message;
+  const auto told = std::find_if(outcome.warnings.begin(), outcome.warnings.end(), [](const std::string& w) {
+    return w.find("SCENE_EMPTY") == std::string::npos;
+  });
+  return told == outcome.warnings.end() ? outcome.warnings.front() : *told;
+}
+
 /// Part of a message that does not hang on where the data lie or on a library's words.
 std::string first_words(const LoadOutcome& outcome, const std::string& path) {
-  const std::string message = !outcome.message.empty()    ? outcome.message
-                              : !outcome.warnings.empty() ? outcome.warnings.front()
-                                                          : "";
+  const std::string message = telling_message(outcome);
   const size_t name = message.find(fs::path(path).filename().string() + ": ");
   if (name == std::string::npos) return "";
   const std::string rest = message.substr(name + fs::path(path).filename().string().size() + 2);
@@ -84,7 +91,7 @@ std::string first_words(const LoadOutcome& outcome, const std::string& path) {
     if (end != std::string::npos && end - begin > 4 && rest[end] == ':') return rest.substr(0, end);
     if (rest.find(": ", begin) == std::string::npos) break;
   }
-  return rest.substr(0, 30);
+  return "";
 }
 
 TEST(SharedMalformedFiles, HaveTheirCommittedOutcomes) {
