@@ -6,7 +6,7 @@ build_packages=(
   libembree-dev libtbb-dev libglfw3-dev libimgui-dev
   libgl-dev libegl-dev libegl-mesa0 libgl1-mesa-dri libopengl-dev libosmesa6
   libtinygltf-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libwebp-dev
-  libopenexr-dev libstb-dev libglm-dev libhwy-dev libfmt-dev libcli11-dev
+  fonts-dejavu-core libopenexr-dev libstb-dev libglm-dev libhwy-dev libfmt-dev libcli11-dev
 )
 test_packages=(libgtest-dev libbenchmark-dev xvfb xauth xdotool imagemagick)
 

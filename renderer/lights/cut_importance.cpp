@@ -118,16 +118,34 @@ struct HalfVectorLobe {
   float half_cosine_weight;  ///< 1: density of reflected directions is D/4(h·wo); 0: of visible normals
 };
 
-HALFLIGHT_SIMD_CLONES void half_vector_loop(const View& v, const HalfVectorLobe& lobe, size_t count) {
-  const Vec3 t = v.basis.tangent, b = v.basis.bitangent, n = v.basis.normal, o = v.wo;
-#pragma GCC ivdep
-  for (size_t k = 0; k < count; ++k) {
-    const Seen seen = see_cluster(v, k);
-    v.guard[k] = seen.guard;
-    v.arriving[k] = seen.arriving;
+/// Some clusters seen from x. The half vector loop is long: in two steps compilers vectorise both.
+struct SeenBlock {
+  static constexpr size_t size = 64;
+  alignas(64) float x[size], y[size], z[size], reach[size], cosine[size];
+};
 
+HALFLIGHT_SIMD_CLONES void see_block(const View& v, size_t first, size_t count, SeenBlock& block) {
+#pragma GCC ivdep
+  for (size_t i = 0; i < count; ++i) {
+    const Seen seen = see_cluster(v, first + i);
+    v.guard[first + i] = seen.guard;
+    v.arriving[first + i] = seen.arriving;
+    block.x[i] = seen.w.x, block.y[i] = seen.w.y, block.z[i] = seen.w.z;
+    block.reach[i] = seen.reach, block.cosine[i] = seen.cosine;
+  }
+}
+
+HALFLIGHT_SIMD_CLONES void half_vector_block(const View& v, const HalfVectorLobe& its_lobe, size_t first,
+                                             size_t count, const SeenBlock& block) {
+  const Vec3 t = v.basis.tangent, b = v.basis.bitangent, n = v.basis.normal, o = v.wo;
+  const HalfVectorLobe lobe = its_lobe;
+  const float *arriving = v.arriving + first, *has_extent = v.has_extent + first;
+  float* importance = v.importance + first;
+  const float diffuse = v.diffuse, counted = v.counted;
+#pragma GCC ivdep
+  for (size_t i = 0; i < count; ++i) {
     // Half vector h and its cosine with wo.
-    const Vec3 w = seen.w;
+    const Vec3 w(block.x[i], block.y[i], block.z[i]);
     const float ix = w.x * t.x + w.y * t.y + w.z * t.z, iy = w.x * b.x + w.y * b.y + w.z * b.z,
                 iz = w.x * n.x + w.y * n.y + w.z * n.z;
     const float sx = ix + o.x, sy = iy + o.y, sz = iz + o.z;
@@ -141,7 +159,7 @@ HALFLIGHT_SIMD_CLONES void half_vector_loop(const View& v, const HalfVectorLobe&
     // (R/r)².
     const float along = ix * hx + iy * hy + iz * hz;
     const float ex = ix - along * hx, ey = iy - along * hy;
-    const float reach = seen.reach < 2.0f ? seen.reach : 2.0f;
+    const float reach = block.reach[i] < 2.0f ? block.reach[i] : 2.0f;
     const float filter = reach * reach * inverse * inverse;
     const float m_xx = lobe.width_x + filter * (1.0f - hx * hx - ex * ex);
     const float m_yy = lobe.width_y + filter * (1.0f - hy * hy - ey * ey);
@@ -164,11 +182,20 @@ HALFLIGHT_SIMD_CLONES void half_vector_loop(const View& v, const HalfVectorLobe&
     const float density = det_over_q * det_over_q * std::sqrt(norm / det) * fresnel /
                           (pi * (jacobian > 1e-4f ? jacobian : 1e-4f));
 
-    const float cosine = seen.cosine;
+    const float cosine = block.cosine[i];
     // 0 below the horizon, near 1 a few degrees above it.
     const float above = cosine / (cosine + 1.0f / 64);
-    const float prior = above * (1.0f - v.counted * v.has_extent[k]);
-    v.importance[k] = seen.arriving * (v.diffuse * cosine + prior * density);
+    const float prior = above * (1.0f - counted * has_extent[i]);
+    importance[i] = arriving[i] * (diffuse * cosine + prior * density);
+  }
+}
+
+void half_vector_loop(const View& v, const HalfVectorLobe& lobe, size_t count) {
+  SeenBlock block;
+  for (size_t first = 0; first < count; first += SeenBlock::size) {
+    const size_t size = std::min(SeenBlock::size, count - first);
+    see_block(v, first, size, block);
+    half_vector_block(v, lobe, first, size, block);
   }
 }
 

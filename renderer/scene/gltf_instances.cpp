@@ -123,7 +123,10 @@ class MeshImporter {
 
   std::vector<glm::dmat4> joint_matrices(const GltfSkin& skin) {
     std::vector<float> bind;
-    if (skin.inverse_bind_matrices >= 0) bind = reader_.floats(static_cast<uint32_t>(accessor));
+    const int32_t accessor = skin.inverse_bind_matrices;
+    if (accessor >= 0 && reader_.has_data(static_cast<uint32_t>(accessor))) {
+      bind = reader_.floats(static_cast<uint32_t>(accessor));
+    }
     std::vector<glm::dmat4> matrices;
     for (size_t j = 0; j < skin.joints.size(); ++j) {
       glm::dmat4 inverse(1);
