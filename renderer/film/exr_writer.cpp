@@ -2,9 +2,12 @@
 #include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
+
+#include <algorithm>
 
 #include "core/errors.h"
 #include "film/image_writers.h"
@@ -12,6 +15,26 @@
 namespace halflight {
 
 namespace {
+
+/// Into memory first: the library's file streams swallow errors on closing, and need to seek, which a pipe
+/// cannot.
+class MemoryOutput : public Imf::OStream {
+ public:
+  MemoryOutput() : Imf::OStream("memory") {}
+  void write(const char data[], int count) override {
+    const size_t size = static_cast<size_t>(count);
+    if (bytes.size() < at_ + size) bytes.resize(at_ + size);
+    std::copy_n(data, size, bytes.begin() + static_cast<ptrdiff_t>(at_));
+    at_ += size;
+  }
+  uint64_t tellp() override { return at_; }
+  void seekp(uint64_t position) override { at_ = position; }
+
+  std::string bytes;
+
+ private:
+  uint64_t at_ = 0;
+};
 
 Imf::Header make_header(const ImageRgb& image, const ImageMetadata& metadata) {
   Imf::Header header(image.width, image.height);
@@ -39,7 +62,8 @@ void insert_channel(Imf::Header& header, Imf::FrameBuffer& buffer, const std::st
 
 }  // namespace
 
-void write_exr(const std::filesystem::path& path, const ImageRgb& image, const ImageMetadata& metadata) {
+std::string exr_bytes(const ImageRgb& image, const ImageMetadata& metadata) try {
+  HALFLIGHT_CHECK(!image.pixels.empty());
   Imf::Header header = make_header(image, metadata);
   Imf::FrameBuffer buffer;
   static constexpr const char* names[] = {"R", "G", "B"};
@@ -51,11 +75,19 @@ void write_exr(const std::filesystem::path& path, const ImageRgb& image, const I
       insert_channel(header, buffer, layer.name + "." + layer.channels[c], layer.values.data() + c,
                      layer.channels.size(), image.width);
   }
-  write_atomically(path, [&](const std::filesystem::path& target) {
-    Imf::OutputFile file(target.c_str(), header);
+  MemoryOutput memory;
+  {
+    Imf::OutputFile file(memory, header);
     file.setFrameBuffer(buffer);
     file.writePixels(image.height);
-  });
+  }  // its destructor writes the table of offsets
+  return std::move(memory.bytes);
+} catch (const std::exception& error) {
+  throw Error(ExitCode::failure, fmt::format("encoding an EXR failed: {}", error.what()));
+}
+
+void write_exr(const std::filesystem::path& path, const ImageRgb& image, const ImageMetadata& metadata) {
+  write_bytes_atomically(path, exr_bytes(image, metadata));
 }
 
 }  // namespace halflight

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -87,30 +88,38 @@ ImageRgb Film::preview() const {
   return image;
 }
 
+Vec3d Film::Pixel::mean() const { return (sum[0] + sum[1]) / (static_cast<double>(count[0]) + count[1]); }
+
+Vec3d Film::Pixel::variance_of_mean() const {
+  const double a = count[0], b = count[1];
+  const Vec3d difference = sum[0] / a - sum[1] / b;
+  return difference * difference * (a * b / ((a + b) * (a + b)));
+}
+
 Vec3 Film::variance(uint32_t pixel) const {
   const Pixel& p = pixels_[pixel];
-  if (p.count[0] == 0 || p.count[1] == 0) return Vec3(0);
-  const Vec3d difference =
-      p.sum[0] / static_cast<double>(p.count[0]) - p.sum[1] / static_cast<double>(p.count[1]);
-  return Vec3(difference * difference * 0.25);
+  if (!p.has_both_halves()) return Vec3(0);
+  return Vec3(glm::min(p.variance_of_mean(), Vec3d(std::numeric_limits<float>::max())));
 }
 
 double Film::estimated_relmse() const {
-  const Vec3d mean(mean_radiance());
-  const double floor2 = std::pow(0.01 * (mean.x + mean.y + mean.z) / 3, 2);
-  double sum = 0;
+  double picture_mean = 0, sum = 0;
   size_t pairs = 0;
   for (const Pixel& p : pixels_) {
-    if (p.count[0] == 0 || p.count[1] == 0) continue;
-    const Vec3d a = p.sum[0] / static_cast<double>(p.count[0]),
-                b = p.sum[1] / static_cast<double>(p.count[1]);
+    if (!p.has_both_halves()) continue;
+    const Vec3d mean = p.mean();
+    picture_mean += (mean.x + mean.y + mean.z) / 3;
     ++pairs;
-    for (int c = 0; c < 3; ++c) {
-      const double difference = a[c] - b[c], r = 0.5 * (a[c] + b[c]), scale = r * r + floor2;
-      if (scale > 0) sum += 0.25 * difference * difference / scale / 3;
-    }
   }
-  return pairs > 0 ? sum / static_cast<double>(pairs) : -1;
+  if (pairs == 0) return -1;
+  const double floor2 = std::pow(0.01 * picture_mean / static_cast<double>(pairs), 2);
+  for (const Pixel& p : pixels_) {
+    if (!p.has_both_halves()) continue;
+    const Vec3d variance = p.variance_of_mean(), r = p.mean(), scale = r * r + floor2;
+    for (int c = 0; c < 3; ++c)
+      if (scale[c] > 0) sum += variance[c] / scale[c] / 3;
+  }
+  return sum / static_cast<double>(pairs);
 }
 
 Vec3 Film::mean_radiance() const {

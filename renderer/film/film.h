@@ -34,11 +34,12 @@ class Film {
   ImageRgb image() const;
   /// The picture so far; pixels with no sample yet take the nearest coarser one that has some.
   ImageRgb preview() const;
-  /// Variance of the pixel's mean, from the two halves: (A − B)²/4.
+  /// Variance of the pixel's mean, from the two halves: (A − B)² n_A n_B / (n_A + n_B)², which is (A − B)²/4
+  /// where both have as many samples. 0 until both have some.
   Vec3 variance(uint32_t pixel) const;
 
-  /// relMSE expected of the picture, mean((A−B)²/4 / (r² + (0.01 mean r)²)); negative until both halves have
-  /// samples.
+  /// relMSE expected of the picture, mean(variance / (r² + (0.01 mean r)²)) over the pixels whose halves both
+  /// have samples; negative where there is none.
   double estimated_relmse() const;
   uint64_t nan_samples() const { return nan_samples_; }
   /// The first pixel, row by row, that had a sample which was not finite; nothing where there was none.
@@ -49,6 +50,10 @@ class Film {
   struct Pixel {
     std::array<Vec3d, 2> sum{};
     std::array<uint32_t, 2> count{};
+
+    bool has_both_halves() const { return count[0] > 0 && count[1] > 0; }
+    Vec3d mean() const;
+    Vec3d variance_of_mean() const;
   };
   int width_ = 0, height_ = 0;
   std::vector<Pixel> pixels_;

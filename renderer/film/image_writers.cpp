@@ -21,13 +21,12 @@ namespace {
 /// Shared-exponent encoding (Ward 1991, "Real Pixels"): mantissas of the brightest channel's exponent.
 std::array<uint8_t, 4> to_rgbe(Vec3 color) {
   const Vec3 c = glm::max(is_finite(color) ? color : Vec3(0), Vec3(0));
-  const float brightest = max_component(c);
-  if (brightest < 1e-38f) return {0, 0, 0, 0};
   int exponent = 0;
-  const float scale = std::frexp(brightest, &exponent) * 256 / brightest;
-  if (exponent > 127) return {255, 255, 255, 255};
-  if (exponent < -127) return {0, 0, 0, 0};
-  const auto mantissa = [&](float v) { return static_cast<uint8_t>(std::min(v * scale, 255.0f)); };
+  if (!(std::frexp(max_component(c), &exponent) > 0) || exponent < -127) return {0, 0, 0, 0};
+  exponent = std::min(exponent, 127);
+  const auto mantissa = [&](float v) {
+    return static_cast<uint8_t>(std::min(std::ldexp(static_cast<double>(v), 8 - exponent), 255.0));
+  };
   return {mantissa(c.x), mantissa(c.y), mantissa(c.z), static_cast<uint8_t>(exponent + 128)};
 }
 
@@ -55,12 +54,46 @@ void append_runs(const std::vector<uint8_t>& values, std::string& out) {
   }
 }
 
-std::string radiance_bytes(const ImageRgb& image, const ImageMetadata& metadata) {
-  std::string out = "#?RADIANCE\n";
-  for (const auto& [key, value] : metadata.text) {
-    if (value.find('\n') == std::string::npos) out += fmt::format("# {}: {}\n", key, value);
+/// Comment lines of a Radiance header; a value of several lines becomes one.
+std::string comment_lines(const ImageMetadata& metadata) {
+  std::string lines;
+  for (auto [key, value] : metadata.text) {
+    std::replace_if(
+        value.begin(), value.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    lines += fmt::format("# {}: {}\n", key, value);
   }
-  for (const auto& [key, value] : metadata.numbers) out += fmt::format("# {}: {}\n", key, value);
+  for (const auto& [key, value] : metadata.numbers) lines += fmt::format("# {}: {}\n", key, value);
+  return lines;
+}
+
+uint32_t crc32(std::string_view bytes) {
+  uint32_t crc = ~0u;
+  for (const char byte : bytes) {
+    crc ^= static_cast<uint8_t>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0u);
+  }
+  return ~crc;
+}
+
+std::string big_endian(uint32_t v) {
+  return {static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8),
+          static_cast<char>(v)};
+}
+
+/// A PNG text chunk; keywords are at most 79 bytes long. tEXt holds Latin-1, iTXt UTF-8: an uncompressed one,
+/// with neither language nor translated keyword.
+std::string text_chunk(const std::string& key, const std::string& value) {
+  const bool ascii =
+      std::all_of(value.begin(), value.end(), [](char c) { return static_cast<uint8_t>(c) < 128; });
+  const std::string keyword = key.substr(0, 79) + '\0';
+  const std::string body = ascii ? "tEXt" + keyword + value : "iTXt" + keyword + std::string(4, '\0') + value;
+  return big_endian(static_cast<uint32_t>(body.size() - 4)) + body + big_endian(crc32(body));
+}
+
+}  // namespace
+
+std::string radiance_bytes(const ImageRgb& image, const ImageMetadata& metadata) {
+  std::string out = "#?RADIANCE\n" + comment_lines(metadata);
   out += fmt::format("FORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height, image.width);
   const bool run_lengths = image.width >= 8 && image.width < 32768;  // the widths the encoding exists for
   std::array<std::vector<uint8_t>, 4> channels;
@@ -80,33 +113,16 @@ std::string radiance_bytes(const ImageRgb& image, const ImageMetadata& metadata)
   return out;
 }
 
-uint32_t crc32(std::string_view bytes) {
-  uint32_t crc = ~0u;
-  for (const char byte : bytes) {
-    crc ^= static_cast<uint8_t>(byte);
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0u);
-  }
-  return ~crc;
-}
-
-std::string big_endian(uint32_t v) {
-  return {static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8),
-          static_cast<char>(v)};
-}
-
-/// A PNG tEXt chunk; keywords are at most 79 bytes long.
-std::string text_chunk(const std::string& key, const std::string& value) {
-  const std::string body = "tEXt" + key.substr(0, 79) + '\0' + value;
-  return big_endian(static_cast<uint32_t>(body.size() - 4)) + body + big_endian(crc32(body));
-}
-
-}  // namespace
-
 void write_radiance(const std::filesystem::path& path, const ImageRgb& image, const ImageMetadata& metadata) {
   write_bytes_atomically(path, radiance_bytes(image, metadata));
 }
 
 std::string png_bytes(const ImageRgba8& image, const ImageMetadata& metadata) {
+  HALFLIGHT_CHECK(image.width > 0 && image.height > 0);
+  constexpr int64_t most_bytes = 1 << 30;  // the encoder counts in int
+  if (int64_t{4} * image.width * image.height > most_bytes)
+    throw Error(ExitCode::failure, fmt::format("{} x {} pixels are too many for a PNG; write an .exr",
+                                               image.width, image.height));
   std::string png;
   const auto append = [](void* context, void* data, int size) {
     static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<size_t>(size));

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -42,11 +41,13 @@ void write_png(const std::filesystem::path&, const ImageRgba8&, const ImageMetad
 /// The file `write_png` would write.
 std::string png_bytes(const ImageRgba8&, const ImageMetadata&);
 
-/// Writes through `write` to a temporary file beside `path`, then renames it; nothing is left behind on
-/// failure.
-void write_atomically(const std::filesystem::path&,
-                      const std::function<void(const std::filesystem::path&)>& write);
-/// The same for bytes, and for text.
+/// The files `write_exr` and `write_radiance` would write.
+std::string exr_bytes(const ImageRgb&, const ImageMetadata&);
+std::string radiance_bytes(const ImageRgb&, const ImageMetadata&);
+
+/// Writes a temporary file beside `path`, then renames it; nothing is left behind on failure. The file behind
+/// a link is replaced, not the link; a device or a pipe is written straight into. Throws Error (exit code 1)
+/// with the system's reason.
 void write_bytes_atomically(const std::filesystem::path&, std::string_view bytes);
 void write_text_atomically(const std::filesystem::path&, const std::string&);
 

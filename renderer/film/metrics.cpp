@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/errors.h"
@@ -30,13 +31,20 @@ ErrorMetrics measure_error(const ImageRgb& image, const ImageRgb& reference, flo
   HALFLIGHT_CHECK(image.width == reference.width && image.height == reference.height);
   const size_t count = image.pixels.size();
   double reference_mean = 0;
-  for (const Vec3& r : reference.pixels) reference_mean += (static_cast<double>(r.x) + r.y + r.z) / 3;
+  for (const Vec3& r : reference.pixels)
+    if (is_finite(r)) reference_mean += (static_cast<double>(r.x) + r.y + r.z) / 3;
   if (count > 0) reference_mean /= static_cast<double>(count);
   const double floor2 = std::pow(0.01 * reference_mean, 2);
 
+  constexpr double endless = std::numeric_limits<double>::infinity();
   std::vector<double> relative(count);
   double squares = 0, symmetric = 0;
   for (size_t i = 0; i < count; ++i) {
+    if (!is_finite(image.pixels[i]) || !is_finite(reference.pixels[i])) {
+      relative[i] = squares = endless;
+      symmetric += 1;
+      continue;
+    }
     for (int c = 0; c < 3; ++c) {
       const double x = image.pixels[i][c], r = reference.pixels[i][c], square_error = (x - r) * (x - r);
       const double scale = r * r + floor2, sum = std::abs(x) + std::abs(r);

@@ -16,7 +16,9 @@ struct ErrorMetrics {
   double flip = 0;   ///< mean LDR-FLIP (Andersson et al. 2020) after exposure and sRGB, 67 pixels a degree
 };
 
-/// Both images must have the same size. `exposure_ev` is applied before FLIP only.
+/// Both images must have the same size. `exposure_ev` is applied before FLIP only. Where a pixel is not
+/// finite its error is infinite (1 in SMAPE), and FLIP sees it black: a picture with NaNs keeps no bound on
+/// relMSE or RMSE.
 ErrorMetrics measure_error(const ImageRgb& image, const ImageRgb& reference, float exposure_ev = 0);
 
 /// One FLIP value a pixel, in [0, 1].

@@ -11,15 +11,18 @@ namespace {
 
 Vec3 clip(Vec3 c) { return glm::clamp(c, 0.0f, 1.0f); }
 
+/// Far above white for every curve, and small enough that its powers are numbers.
+Vec3 bounded(Vec3 c) { return glm::clamp(c, 0.0f, 1e12f); }
+
 /// Reinhard et al. 2002, eq. 3, on luminance; colours keep their hue.
-Vec3 reinhard(Vec3 c) {
-  const float l = luminance(c);
-  return clip(c / (1 + std::max(l, 0.0f)));
+Vec3 reinhard(Vec3 color) {
+  const Vec3 c = bounded(color);
+  return clip(c / (1 + luminance(c)));
 }
 
 /// Rational fit of the ACES reference transform (Narkowicz 2015).
 Vec3 filmic(Vec3 c) {
-  const Vec3 x = glm::max(c, Vec3(0)) * 0.6f;
+  const Vec3 x = bounded(c) * 0.6f;
   return clip((x * (2.51f * x + 0.03f)) / (x * (2.43f * x + 0.59f) + 0.14f));
 }
 
@@ -29,7 +32,7 @@ Vec3 false_color(Vec3 c) {
                                    {0.05f, 0.45f, 0.25f}, {0.30f, 0.60f, 0.06f}, {0.80f, 0.65f, 0.03f},
                                    {0.85f, 0.25f, 0.02f}, {0.65f, 0.02f, 0.05f}, {1.0f, 0.90f, 0.90f}};
   constexpr int last = std::size(scale) - 1;
-  const float l = luminance(c);
+  const float l = luminance(bounded(c));
   if (!(l > 0)) return scale[0];
   const float stops = std::log2(l / 0.18f), place = std::clamp((stops + 8) / 16 * last, 0.0f, float(last));
   const int i = std::min(static_cast<int>(place), last - 1);

@@ -62,14 +62,18 @@ HALFLIGHT_INLINE size_t count_not_above(const double* ascending, double target) 
   return static_cast<size_t>(count);
 }
 
+/// Where the leaf would be if all of the cluster had equal shares.
+HALFLIGHT_INLINE size_t equal_share_leaf(const Cut& cut, size_t k, double fraction) {
+  const auto leaves = static_cast<double>(static_cast<int32_t>(cut.end[k] - cut.begin[k]));
+  return cut.begin[k] + static_cast<size_t>(static_cast<int64_t>(fraction * leaves));
+}
+
 /// Leaf of cluster k that `target` falls to, a number in the cluster's part of the running sum. Leaves of a
 /// cluster have similar power, so that it is nearly always among the 16 about the place that equal shares
 /// would give.
 HALFLIGHT_INLINE size_t find_leaf(const Cut& cut, size_t leaf_count, size_t k, double target,
                                   double fraction) {
-  const size_t begin = cut.begin[k], end = cut.end[k];
-  const auto guess =
-      begin + static_cast<size_t>(static_cast<int64_t>(fraction * static_cast<int32_t>(end - begin)));
+  const size_t begin = cut.begin[k], end = cut.end[k], guess = equal_share_leaf(cut, k, fraction);
   // ends[i] is the sum after leaf i: ascending over all leaves, so that a window may reach over the cluster's
   // edges.
   const double* ends = cut.leaf_prefix.data() + 1;
@@ -108,8 +112,8 @@ constexpr size_t most_in_a_run = 64;
 
 /// Finds the clusters of draws [first, first + count) of `of`; apart from the leaves, so that their look-ups
 /// overlap.
-HALFLIGHT_SIMD_CLONES void draw_clusters(const Tables& tables, RandomStream& random, size_t first,
-                                         size_t count, size_t of, ClusterDraw* out) {
+HALFLIGHT_SIMD_CLONES void draw_clusters(const Cut& cut, const Tables& tables, RandomStream& random,
+                                         size_t first, size_t count, size_t of, ClusterDraw* out) {
   const double step = tables.total / static_cast<double>(of), last = std::nextafter(tables.total, 0.0);
   size_t b = 0;
   double block_start = 0;
@@ -123,7 +127,10 @@ HALFLIGHT_SIMD_CLONES void draw_clusters(const Tables& tables, RandomStream& ran
     const size_t below = count_not_above(share, inside);
     const double lower = below > 0 ? share[below - 1] : 0.0;
     const double cluster_share = share[below] - lower;
-    out[j] = {static_cast<uint32_t>(b * block + below), cluster_share, (inside - lower) / cluster_share};
+    const size_t k = b * block + below;
+    const double fraction = (inside - lower) / cluster_share;
+    out[j] = {static_cast<uint32_t>(k), cluster_share, fraction};
+    prefetch(&cut.leaf_prefix[equal_share_leaf(cut, k, fraction)]);
   }
 }
 
@@ -216,7 +223,7 @@ void CutDistribution::draw(const Cut& cut, RandomStream& random, std::span<Light
   std::array<ClusterDraw, most_in_a_run> run;
   for (size_t first = 0; first < out.size(); first += most_in_a_run) {
     const size_t count = std::min(most_in_a_run, out.size() - first);
-    draw_clusters(tables, random, first, count, out.size(), run.data());
+    draw_clusters(cut, tables, random, first, count, out.size(), run.data());
     if (rule_ == LeafRule::uniform)
       draw_leaves_alike(cut, tables, run.data(), count, out.data() + first);
     else

@@ -12,7 +12,7 @@ namespace {
 /// Where a unit direction falls in the unrotated map.
 Vec2 map_uv(Vec3 d) {
   const float u = 0.5f + std::atan2(d.x, -d.z) / (2 * pi);
-  const float v = std::acos(std::clamp(d.y, -1.0f, 1.0f)) / pi;
+  const float v = std::atan2(std::hypot(d.x, d.z), d.y) / pi;  // acos loses half its digits near the poles
   return {u < 1 ? u : 0.0f, v};
 }
 
@@ -27,10 +27,15 @@ Vec3 turn_about_up(Vec3 d, float angle) {
   return {c * d.x + s * d.z, d.y, -s * d.x + c * d.z};
 }
 
+/// Texels that are no radiance become 0; returns how many.
 size_t clean_texels(ImageRgb& image) {
+  constexpr float brightest = 1e30f;  // so that sums over the map, times strength, stay finite
   size_t bad = 0;
   for (Vec3& texel : image.pixels) {
-    if (is_finite(texel) && std::min({texel.x, texel.y, texel.z}) >= 0) continue;
+    if (is_finite(texel) && std::min({texel.x, texel.y, texel.z}) >= 0) {
+      texel = glm::min(texel, brightest);
+      continue;
+    }
     texel = Vec3(0);
     ++bad;
   }
@@ -45,12 +50,21 @@ Vec3 angular_value(const ImageRgb& image, Vec3 d) {
   const Vec2 p(0.5f * (unit.x + 1) * static_cast<float>(image.width) - 0.5f,
                0.5f * (1 - unit.y) * static_cast<float>(image.height) - 0.5f);
   const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
-  const auto texel = [&](int i, int j) {
-    return image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1));
-  };
   const float fx = p.x - static_cast<float>(x), fy = p.y - static_cast<float>(y);
-  return glm::mix(glm::mix(texel(x, y), texel(x + 1, y), fx),
-                  glm::mix(texel(x, y + 1), texel(x + 1, y + 1), fx), fy);
+  Vec3 sum(0);
+  float weights = 0;
+  for (int tap = 0; tap < 4; ++tap) {
+    const int i = x + tap % 2, j = y + tap / 2;
+    const Vec2 centre = (Vec2(i, j) + 0.5f) / Vec2(image.width, image.height) * 2.0f - 1.0f;
+    if (glm::dot(centre, centre) > 1) continue;  // beyond the rim there is no direction, and mostly black
+    const float weight = (tap % 2 ? fx : 1 - fx) * (tap / 2 ? fy : 1 - fy);
+    sum += image.at(i, j) * weight;
+    weights += weight;
+  }
+  if (weights > 0) return sum / weights;
+  const Vec2 inside = (unit * (1 - 2.0f / static_cast<float>(image.width)) * Vec2(1, -1) + 1.0f) * 0.5f;
+  return image.at(std::clamp(static_cast<int>(inside.x * image.width), 0, image.width - 1),
+                  std::clamp(static_cast<int>(inside.y * image.height), 0, image.height - 1));
 }
 
 /// Latitude-longitude map of an angular one, each texel the mean of 4×4 directions in it.
@@ -71,6 +85,26 @@ ImageRgb resample_angular(const ImageRgb& image) {
     }
   });
   return map;
+}
+
+/// A clear afternoon: white surfaces facing up look neutral, those that face away from the sun a little blue.
+Vec3 sky_radiance(Vec3 d) {
+  const Vec3 sun_direction = glm::normalize(Vec3(-0.55f, 0.62f, -0.40f));
+  const Vec3 zenith(0.20f, 0.34f, 0.62f), horizon(0.80f, 0.83f, 0.87f), ground(0.21f, 0.19f, 0.165f);
+  const Vec3 sunlight(1.0f, 0.80f, 0.52f), halo(1.0f, 0.82f, 0.56f);
+  const float height = std::max(d.y, 0.0f), cosine = glm::dot(d, sun_direction);
+
+  // Bluer away from the horizon; forward scattering by haze about the sun (Henyey & Greenstein 1941, g =
+  // 0.8), and a disc blurred over a few texels.
+  constexpr float g = 0.8f;
+  const Vec3 clear = glm::mix(horizon, zenith, 1 - std::pow(1 - height, 4.0f));
+  const float scattered = (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5f);
+  const float disc = 330 * std::exp(1100 * (cosine - 1)) + 5 * std::exp(120 * (cosine - 1));
+  const Vec3 sky = clear + 0.04f * scattered * halo + disc * sunlight;
+
+  // The ground fades into haze towards the horizon.
+  const Vec3 below = glm::mix(ground, 0.62f * horizon, std::exp(9 * std::min(d.y, 0.0f)));
+  return glm::mix(below, sky, glm::smoothstep(-0.02f, 0.02f, d.y));
 }
 
 }  // namespace
@@ -113,20 +147,9 @@ Environment make_environment(ImageRgb image, std::string name, EnvironmentLayout
 
 Environment built_in_sky() {
   ImageRgb map(512, 256);
-  const Vec3 sun = glm::normalize(Vec3(-0.55f, 0.62f, -0.40f));
-  const Vec3 zenith(0.22f, 0.42f, 0.85f), horizon(0.85f, 0.92f, 1.0f), ground(0.20f, 0.18f, 0.16f);
-  const Vec3 warm(1.0f, 0.86f, 0.66f);
-  for (int y = 0; y < map.height; ++y) {
-    for (int x = 0; x < map.width; ++x) {
-      const Vec3 d = map_direction({(x + 0.5f) / map.width, (y + 0.5f) / map.height});
-      const float height = std::max(d.y, 0.0f), towards_sun = std::max(glm::dot(d, sun), 0.0f);
-      const Vec3 sky = glm::mix(horizon, zenith, 1 - std::pow(1 - height, 3.0f));
-      // A hazy sun: a broad glow about a soft disc.
-      const Vec3 glow = warm * (0.9f * std::pow(towards_sun, 12.0f) + 45.0f * std::pow(towards_sun, 900.0f));
-      const float above = glm::smoothstep(-0.03f, 0.03f, d.y);
-      map.at(x, y) = glm::mix(ground * (1 + 0.4f * d.y), sky + glow, above);
-    }
-  }
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x)
+      map.at(x, y) = sky_radiance(map_direction((Vec2(x, y) + 0.5f) / Vec2(map.width, map.height)));
   return make_environment(std::move(map), "built-in sky", EnvironmentLayout::latlong);
 }
 
@@ -134,7 +157,7 @@ Environment load_environment(const std::filesystem::path& path, const LoadLimits
                              Messages& messages) {
   Environment environment = make_environment(read_image(path, limits), path.string());
   if (environment.bad_texels > 0)
-    messages.warn(fmt::format("{}: {} texels are not finite or negative; they are black now", path.string(),
+    messages.warn(fmt::format("{}: {} of its texels, negative or not finite, count as black", path.string(),
                               environment.bad_texels));
   return environment;
 }

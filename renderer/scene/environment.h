@@ -35,7 +35,7 @@ float texel_solid_angle(const Environment&, int y);
 enum class EnvironmentLayout { automatic, latlong, angular };
 
 /// Makes an environment of an image: square images are Debevec's angular map, others latitude-longitude, unless told.
-/// NaN, infinite and negative texels become 0 and are counted.
+/// NaN, infinite and negative texels become 0 and are counted; above 1e30 they become 1e30.
 Environment make_environment(ImageRgb image, std::string name,
                              EnvironmentLayout layout = EnvironmentLayout::automatic);
 

@@ -1,11 +1,22 @@
+// OpenEXR from memory: the first flat part that has colour. The header is checked before anything of its size
+// is allocated, and pixels are read in bands, so that a file cut short fails before its whole claim takes
+// memory.
+#include <OpenEXR/IexBaseExc.h>
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfCompression.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfRgbaFile.h>
+#include <OpenEXR/ImfTileDescription.h>
 
 #include <algorithm>
+#include <array>
+#include <new>
+#include <optional>
 
 #include "scene/image_files.h"
 
@@ -13,77 +24,211 @@ namespace halflight {
 
 namespace {
 
-/// The first part that is a flat image with colour or luminance; −1 where there is none.
-int find_flat_part(const Imf::MultiPartInputFile& file) {
-  for (int part = 0; part < file.parts(); ++part) {
-    const Imf::Header& header = file.header(part);
-    const bool flat =
-        !header.hasType() || header.type() == Imf::SCANLINEIMAGE || header.type() == Imf::TILEDIMAGE;
-    const Imf::ChannelList& channels = header.channels();
-    if (flat && (channels.findChannel("R") || channels.findChannel("Y"))) return part;
+using Window = Imath::Box2i;
+
+class MemoryInput : public Imf::IStream {
+ public:
+  MemoryInput(std::span<const uint8_t> bytes, const std::string& name)
+      : Imf::IStream(name.c_str()), bytes_(bytes) {}
+
+  bool read(char out[], int count) override {
+    const auto wanted = static_cast<uint64_t>(std::max(count, 0));
+    if (at_ > bytes_.size() || wanted > bytes_.size() - at_) throw Iex::InputExc("truncated");
+    std::copy_n(bytes_.begin() + static_cast<ptrdiff_t>(at_), wanted, out);
+    at_ += wanted;
+    return at_ < bytes_.size();
   }
-  return -1;
+  uint64_t tellg() override { return at_; }
+  void seekg(uint64_t position) override { at_ = position; }
+
+ private:
+  std::span<const uint8_t> bytes_;
+  uint64_t at_ = 0;
+};
+
+/// Where the picture is among a part's channels.
+struct ColorChannels {
+  std::array<std::string, 3> names;  ///< for red, green, blue; all the same for luminance
+  bool chroma = false;               ///< beside luminance stand RY and BY
+};
+
+/// R, G and B, of the first layer that has them where the part has no plain ones, else Y.
+std::optional<ColorChannels> find_color(const Imf::ChannelList& channels) {
+  const auto layer = [&](const std::string& prefix) -> std::optional<ColorChannels> {
+    if (!channels.findChannel(prefix + "R") || !channels.findChannel(prefix + "G") ||
+        !channels.findChannel(prefix + "B"))
+      return {};
+    return ColorChannels{{prefix + "R", prefix + "G", prefix + "B"}};
+  };
+  if (const auto plain = layer("")) return plain;
+  if (channels.findChannel("Y"))
+    return ColorChannels{{"Y", "Y", "Y"}, channels.findChannel("RY") && channels.findChannel("BY")};
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+    const std::string name = channel.name();
+    if (!name.ends_with(".R")) continue;
+    if (const auto found = layer(name.substr(0, name.size() - 1))) return found;
+  }
+  return {};
 }
 
-void check_size(const Imath::Box2i& window, const LoadLimits& limits, const std::string& name) {
-  const int64_t width = int64_t{window.max.x} - window.min.x + 1,
-                height = int64_t{window.max.y} - window.min.y + 1;
+bool is_flat(const Imf::Header& header) {
+  return !header.hasType() || header.type() == Imf::SCANLINEIMAGE || header.type() == Imf::TILEDIMAGE;
+}
+
+int64_t width_of(const Window& window) { return int64_t{window.max.x} - window.min.x + 1; }
+int64_t height_of(const Window& window) { return int64_t{window.max.y} - window.min.y + 1; }
+
+void check_size(const Window& window, const char* place, const LoadLimits& limits, const std::string& name) {
+  const int64_t width = width_of(window), height = height_of(window);
   if (width <= 0 || height <= 0)
-    throw input_error(name, "dataWindow", fmt::format("{} x {} is no picture size", width, height));
+    throw input_error(name, place, fmt::format("{} x {} is no picture size", width, height));
   if (width > 1 << 24 || height > 1 << 24 || static_cast<uint64_t>(width * height) > limits.image_pixels)
     throw input_error(
-        name, "dataWindow",
+        name, place,
         fmt::format("{} x {} pixels exceed --limit-image-pixels {}", width, height, limits.image_pixels));
 }
 
-ImageRgb read_part(Imf::MultiPartInputFile& file, int index, const LoadLimits& limits,
-                   const std::string& name) {
-  const Imf::Header& header = file.header(index);
-  const Imath::Box2i window = header.dataWindow();
-  check_size(window, limits, name);
-  const Imf::ChannelList& channels = header.channels();
-  const bool color = channels.findChannel("R") != nullptr;
-  for (const char* channel : {"R", "G", "B", "Y"}) {
-    const Imf::Channel* found = channels.findChannel(channel);
-    if (found && (found->xSampling != 1 || found->ySampling != 1))
-      throw input_error(name, fmt::format("channel {}", channel), "subsampled channels are not read");
+/// Lines that are compressed together (OpenEXR file layout, "Compression").
+uint64_t lines_in_block(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return 1;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16;
+    case Imf::PIZ_COMPRESSION:
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+    case Imf::DWAA_COMPRESSION:
+      return 32;
+    default:
+      return 256;
   }
+}
 
-  ImageRgb image(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
-  Imf::FrameBuffer buffer;
-  static constexpr const char* names[] = {"R", "G", "B"};
-  for (int c = 0; c < 3; ++c) {
-    // A missing channel is filled with 0; luminance alone goes to all three.
-    buffer.insert(color ? names[c] : "Y", Imf::Slice::Make(Imf::FLOAT, &image.pixels[0].x + c, window,
-                                                           sizeof(Vec3), sizeof(Vec3) * image.width));
-    if (!color) break;
+/// The library decodes a block of lines, or a row of tiles, of all channels at once.
+void check_block(const Imf::Header& header, const std::string& name) {
+  constexpr uint64_t largest = uint64_t{1} << 30;
+  uint64_t bytes_a_pixel = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
+    bytes_a_pixel += channel.channel().type == Imf::HALF ? 2 : 4;
+  uint64_t width = static_cast<uint64_t>(width_of(header.dataWindow()));
+  uint64_t lines = lines_in_block(header.compression());
+  if (header.hasTileDescription()) {
+    lines = header.tileDescription().ySize;
+    width = std::max<uint64_t>(width, header.tileDescription().xSize);
+  }
+  if (bytes_a_pixel * width > largest / std::max<uint64_t>(lines, 1))
+    throw input_error(name, "header",
+                      fmt::format("blocks of {} lines of {} pixels are too large", lines, width));
+}
+
+/// Luminance and two chroma channels at half the resolution, through the library's own reconstruction.
+ImageRgb read_luminance_chroma(MemoryInput& stream, const Window& window) {
+  stream.seekg(0);
+  Imf::RgbaInputFile file(stream);
+  const int width = static_cast<int>(width_of(window)), height = static_cast<int>(height_of(window));
+  ImageRgb image(width, height);
+  std::vector<Imf::Rgba> line(static_cast<size_t>(width));
+  for (int y = 0; y < height; ++y) {
+    // The library adds x and y times the strides to an address that may lie outside the line.
+    const auto base =
+        reinterpret_cast<uintptr_t>(line.data()) - sizeof(Imf::Rgba) * static_cast<uintptr_t>(window.min.x);
+    file.setFrameBuffer(reinterpret_cast<Imf::Rgba*>(base), 1, 0);
+    file.readPixels(window.min.y + y);
+    for (int x = 0; x < width; ++x) image.at(x, y) = {line[x].r, line[x].g, line[x].b};
+  }
+  return image;
+}
+
+/// The pixels of the data window, in bands that no block crosses.
+ImageRgb read_channels(Imf::MultiPartInputFile& file, int index, const ColorChannels& color) {
+  const Imf::Header& header = file.header(index);
+  const Window window = header.dataWindow();
+  int band_height = 256;
+  if (header.hasTileDescription()) {
+    const int tile = static_cast<int>(std::min(header.tileDescription().ySize, 1u << 24));
+    band_height = (band_height + tile - 1) / tile * tile;
   }
   Imf::InputPart part(file, index);
-  part.setFrameBuffer(buffer);
-  part.readPixels(window.min.y, window.max.y);
-  if (!color)
-    for (Vec3& pixel : image.pixels) pixel = Vec3(pixel.x);
+  ImageRgb image;
+  image.width = static_cast<int>(width_of(window)), image.height = static_cast<int>(height_of(window));
+  image.pixels.reserve(static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
+  for (int y = window.min.y; y <= window.max.y; y += band_height) {
+    const int last = std::min(window.max.y, y + band_height - 1);
+    const Window band_window({window.min.x, y}, {window.max.x, last});
+    ImageRgb band(image.width, last - y + 1);
+    Imf::FrameBuffer buffer;
+    const bool luminance = color.names[0] == color.names[1];
+    for (int c = 0; c < (luminance ? 1 : 3); ++c)
+      buffer.insert(color.names[c],
+                    Imf::Slice::Make(Imf::FLOAT, &band.pixels[0].x + c, band_window, sizeof(Vec3),
+                                     sizeof(Vec3) * static_cast<size_t>(image.width)));
+    part.setFrameBuffer(buffer);
+    part.readPixels(y, last);
+    if (luminance)
+      for (Vec3& pixel : band.pixels) pixel = Vec3(pixel.x);
+    image.pixels.insert(image.pixels.end(), band.pixels.begin(), band.pixels.end());
+  }
   return image;
+}
+
+/// The data window cut and padded with black to the display window: that is the picture, and an environment's
+/// directions hang on where its borders are.
+ImageRgb to_display(ImageRgb data, const Window& window, const Window& display, const std::string& name) {
+  if (window == display) return data;
+  if (!window.intersects(display)) throw input_error(name, "dataWindow", "lies outside the display window");
+  ImageRgb image(static_cast<int>(width_of(display)), static_cast<int>(height_of(display)));
+  for (int y = std::max(window.min.y, display.min.y); y <= std::min(window.max.y, display.max.y); ++y)
+    for (int x = std::max(window.min.x, display.min.x); x <= std::min(window.max.x, display.max.x); ++x)
+      image.at(x - display.min.x, y - display.min.y) = data.at(x - window.min.x, y - window.min.y);
+  return image;
+}
+
+ImageRgb read_first_picture(std::span<const uint8_t> bytes, const LoadLimits& limits,
+                            const std::string& name) {
+  MemoryInput stream(bytes, name);
+  Imf::MultiPartInputFile file(stream);
+  for (int index = 0; index < file.parts(); ++index) {
+    const Imf::Header& header = file.header(index);
+    const auto color = is_flat(header) ? find_color(header.channels()) : std::nullopt;
+    if (!color) continue;
+    const Window window = header.dataWindow(), display = header.displayWindow();
+    check_size(window, "dataWindow", limits, name);
+    check_size(display, "displayWindow", limits, name);
+    check_block(header, name);
+    if (color->chroma && file.parts() > 1)
+      throw input_error(name, fmt::format("part {}", index),
+                        "luminance and chroma are read from single-part files only");
+    if (color->chroma) return to_display(read_luminance_chroma(stream, window), window, display, name);
+    for (const std::string& channel : color->names) {
+      const Imf::Channel& found = header.channels()[channel.c_str()];
+      if (found.xSampling != 1 || found.ySampling != 1)
+        throw input_error(name, fmt::format("channel {}", channel), "subsampled channels are not read");
+    }
+    return to_display(read_channels(file, index, *color), window, display, name);
+  }
+  throw input_error(name, "channels", "no flat part with R, G and B, or with Y");
 }
 
 }  // namespace
 
-ImageRgb read_exr(const std::filesystem::path& path, const LoadLimits& limits) {
-  const std::string name = path.string();
+ImageRgb decode_exr(std::span<const uint8_t> bytes, const LoadLimits& limits, std::string_view file) {
+  const std::string name(file);
   try {
-    // A header's claim is checked by us before anything is allocated; the library's bound is a second net.
-    const int longest_side = 1 << 24;
+    // We check a header's claim before pixels are allocated; the library's bound is for its own tables.
+    constexpr int longest_side = 1 << 24;
     Imf::Header::setMaxImageSize(longest_side, longest_side);
-    Imf::MultiPartInputFile file(name.c_str());
-    const int part = find_flat_part(file);
-    if (part < 0) throw input_error(name, "", "no flat part with R, G, B or Y channels");
-    return read_part(file, part, limits, name);
+    return read_first_picture(bytes, limits, name);
   } catch (const Error&) {
     throw;
+  } catch (const std::bad_alloc&) {
+    throw input_error(name, "OpenEXR", "not enough memory for it");
   } catch (const std::exception& error) {
     std::string reason = error.what();
-    // The library's messages name the file again and may span lines.
-    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    std::replace(reason.begin(), reason.end(), '\n', ' ');  // its messages may span lines
     throw input_error(name, "OpenEXR", reason);
   }
 }

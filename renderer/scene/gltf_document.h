@@ -144,6 +144,13 @@ struct GltfLight {
   bool known_type = true;
 };
 
+/// A scene's distant light, from extras (docs/scenes.md).
+struct GltfEnvironment {
+  std::string file;    ///< a relative URI; empty where there is none
+  float rotation = 0;  ///< radians
+  float strength = 1;
+};
+
 struct GltfDocument {
   std::vector<GltfBuffer> buffers;
   std::vector<GltfBufferView> views;
@@ -160,6 +167,7 @@ struct GltfDocument {
   std::vector<Camera> cameras;    ///< in their own frame
   std::vector<GltfLight> lights;  ///< in their own frame
   std::vector<uint32_t> roots;    ///< of the scene that is shown
+  GltfEnvironment environment;    ///< of the scene that is shown
   std::vector<std::string> extensions_used, ignored_extensions;
   bool quantized = false;  ///< KHR_mesh_quantization is declared
 };

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 
 #include "core/parallel.h"
 #include "scene/gltf_geometry.h"
@@ -260,6 +261,7 @@ void check_hidden_values(const GltfSource& source, const GltfDocument& document,
   for (uint32_t i = 0; i < document.accessors.size(); ++i) {
     if (document.accessors[i].sparse && reader.has_data(i)) reader.check_sparse_indices(i);
   }
+  std::set<std::pair<int32_t, uint64_t>> checked;  // many primitives may share one accessor
   std::vector<bool> shown(document.meshes.size(), false);
   for (const uint32_t node : pose.shown) {
     if (document.nodes[node].mesh >= 0) shown[document.nodes[node].mesh] = true;
@@ -271,6 +273,7 @@ void check_hidden_values(const GltfSource& source, const GltfDocument& document,
                     positions = find_attribute(primitives[p].attributes, "POSITION");
       if (indices < 0 || positions < 0 || primitives[p].draco) continue;
       if (!reader.has_data(static_cast<uint32_t>(indices))) continue;
+      if (!checked.insert({indices, document.accessors[positions].count}).second) continue;
       check_indices(source, reader.integers(static_cast<uint32_t>(indices)),
                     document.accessors[positions].count, fmt::format("meshes[{}].primitives[{}]", m, p));
     }

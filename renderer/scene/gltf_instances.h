@@ -10,6 +10,9 @@ namespace halflight {
 /// where a primitive has none.
 std::vector<bool> import_meshes(GltfSource&, const GltfDocument&, GltfReader&, const GltfPose&, Scene&);
 
+/// The environment that the scene's extras name.
+void import_environment(const GltfSource&, const GltfDocument&, Scene&, Messages&);
+
 /// Cameras and lights of the shown nodes; projectors' pictures are read here.
 void import_cameras(GltfSource&, const GltfDocument&, const GltfPose&, Scene&);
 void import_lights(GltfSource&, const GltfDocument&, const GltfPose&, Scene&, Messages&);

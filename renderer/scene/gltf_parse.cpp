@@ -203,17 +203,30 @@ GltfNode read_node(const JsonObject& object) {
   return node;
 }
 
+GltfEnvironment read_environment(const JsonObject& scene) {
+  GltfEnvironment environment;
+  const auto ours = scene.extra("halflight");
+  const auto object = ours ? ours->object("environment") : std::nullopt;
+  if (!object) return environment;
+  object->require("file");
+  environment.file = object->string("file");
+  environment.rotation = glm::radians(static_cast<float>(object->number("rotation", 0, -1e6, 1e6)));
+  environment.strength = static_cast<float>(object->number("strength", 1, 0, 1e30));
+  return environment;
+}
+
 /// The default scene, else the first; a file without scenes shows all nodes that have no parent.
 void parse_scenes(GltfSource& source, GltfDocument& document) {
   const JsonObject root(source);
-  std::vector<std::vector<uint32_t>> scenes;
-  root.for_each("scenes",
-                [&](const JsonObject& object) { scenes.push_back(object.indices("nodes", "nodes")); });
-  const int32_t chosen = root.index("scene", "scenes");
-  if (!scenes.empty()) {
-    document.roots = scenes[std::max(chosen, 0)];
-    return;
-  }
+  const size_t chosen = static_cast<size_t>(std::max(root.index("scene", "scenes"), 0));
+  size_t count = 0;
+  root.for_each("scenes", [&](const JsonObject& object) {
+    auto nodes = object.indices("nodes", "nodes");
+    if (count++ != chosen) return;
+    document.roots = std::move(nodes);
+    document.environment = read_environment(object);
+  });
+  if (count > 0) return;
   std::vector<bool> has_parent(document.nodes.size(), false);
   for (const GltfNode& node : document.nodes) {
     for (const uint32_t child : node.children) has_parent[child] = true;

@@ -64,8 +64,11 @@ ImageRgb read_image(const std::filesystem::path& path, const LoadLimits& limits)
   const std::vector<uint8_t> bytes = read_file(path, limits.buffer_bytes);
   const std::string name = path.string();
   if (bytes.empty()) throw input_error(name, "", "the file is empty");
-  if (starts_with(bytes, exr_signature)) return read_exr(path, limits);
+  if (starts_with(bytes, exr_signature)) return decode_exr(bytes, limits, name);
   if (starts_with(bytes, "#?")) return decode_radiance(bytes, limits, name);
+
+  if (!starts_with(bytes, "\x89PNG") && !starts_with(bytes, "\xff\xd8\xff") && !starts_with(bytes, "RIFF"))
+    throw input_error(name, "", "not Radiance, OpenEXR, PNG, JPEG or WebP");
 
   static const std::array<float, 256> decode = srgb_table();
   const ImageRgba8 ldr = decode_ldr(bytes, limits, name, "");

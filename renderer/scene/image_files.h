@@ -17,8 +17,9 @@ ImageRgba8 decode_ldr(std::span<const uint8_t> bytes, const LoadLimits&, std::st
 /// Radiance RGBE or XYZE, old and new run lengths, flips, EXPOSURE divided out. Truncation is an error, never black.
 ImageRgb decode_radiance(std::span<const uint8_t> bytes, const LoadLimits&, std::string_view file);
 
-/// OpenEXR from disk: R G B (or Y), any part type with flat scan lines or tiles.
-ImageRgb read_exr(const std::filesystem::path&, const LoadLimits&);
+/// OpenEXR: the display window of the first flat part that has R G B (also as LAYER.R …), Y, or Y RY BY. Throws Error
+/// (exit code 3).
+ImageRgb decode_exr(std::span<const uint8_t> bytes, const LoadLimits&, std::string_view file);
 
 /// .hdr, .exr or an 8-bit image (decoded to linear), by content.
 ImageRgb read_image(const std::filesystem::path&, const LoadLimits&);

@@ -2,6 +2,7 @@
 // resolution line that also gives the order of axes, then scan lines flat or in one of two run-length forms.
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <optional>
 
 #include "scene/image_files.h"
@@ -99,8 +100,8 @@ void RadianceReader::read_variable(const std::string& line) {
 }
 
 void RadianceReader::read_resolution(const std::string& line) {
-  char sign[2], axis[2];
-  long long size[2];
+  char sign[2] = {}, axis[2] = {};
+  long long size[2] = {};
   char rest = 0;
   const int found = std::sscanf(line.c_str(), " %c%c %lld %c%c %lld %c", &sign[0], &axis[0], &size[0],
                                 &sign[1], &axis[1], &size[1], &rest);
@@ -131,11 +132,14 @@ void RadianceReader::read_header() {
   line = next_line();
   if (!line) fail("resolution line", "missing");
   read_resolution(*line);
-  // Each pixel takes at least a fraction of a byte even in the best runs: a size the file cannot fill is
-  // refused before memory for it is taken. Runs of 127 equal bytes take two, four channels a pixel.
-  const uint64_t pixels = static_cast<uint64_t>(header_.width) * static_cast<uint64_t>(header_.height);
-  const uint64_t best_case = pixels / 127 * 2;
-  if (header_.line_length() < 32768 && bytes_.size() - at_ < best_case / 8)
+  // A size that the file cannot fill is refused before memory for it is taken. The shortest line is one pixel
+  // and old repeats of it, which cover up to 255, 255 · 256, … more in four bytes each.
+  uint64_t least_bytes = 4, covered = 1;
+  for (uint64_t repeat = 255; covered < header_.line_length(); repeat <<= 8) {
+    covered += repeat;
+    least_bytes += 4;
+  }
+  if (bytes_.size() - at_ < least_bytes * header_.line_count())
     fail("pixels", fmt::format("truncated: {} bytes cannot hold {} x {} pixels", bytes_.size() - at_,
                                header_.width, header_.height));
 }
@@ -203,7 +207,7 @@ Vec3 RadianceReader::to_radiance(Rgbe p) const {
          0.0556434 * c.x - 0.2040259 * c.y + 1.0572252 * c.z};
     c = glm::max(c, Vec3d(0));  // out of gamut
   }
-  return Vec3(c);
+  return Vec3(glm::min(c, Vec3d(std::numeric_limits<float>::max())));
 }
 
 ImageRgb RadianceReader::read() {

@@ -7,6 +7,8 @@
 #include <array>
 #include <concepts>
 
+#include "core/parallel.h"
+#include "core/simd.h"
 #include "lights/cut_distribution.h"
 #include "techniques/connection_batch.h"
 #include "techniques/technique.h"
@@ -66,7 +68,7 @@ class PixelWorker {
  private:
   static constexpr uint32_t most_pixels = 64;
   // Streams of 64 to 1024 rays are traced fastest (DESIGN, "The CPU stage").
-  static constexpr size_t enough_rays = 256, most_rays = 1024;
+  static constexpr size_t enough_rays = 512, most_rays = 1024;
 
   struct OpenPixel {
     uint32_t index;
@@ -175,6 +177,8 @@ PassStats run_sampler_pass(const FrameView& frame, const PassRequest& request, F
       if (drawable) {
         for (auto& draws : state.draws)
           if (!draws.empty()) state.sampler.draw(random, draws);
+        for (const auto& draws : state.draws)
+          for (const LightSample& draw : draws) prefetch(&frame.tree->lights[draw.light]);
         // Both halves run along the leaves: side by side their rays stay in the order of the tree.
         for (uint32_t j = 0; j < std::max(split[0], split[1]); ++j)
           for (int half = 0; half < 2; ++half)

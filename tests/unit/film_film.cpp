@@ -18,7 +18,7 @@ TEST(Film, IsTheWeightedMeanOfItsHalves) {
   EXPECT_EQ(film.mean_samples(), 2);
   EXPECT_EQ(film.radiance(0), Vec3(2, 3, 4));
   EXPECT_EQ(film.radiance(1), Vec3(0));
-  EXPECT_EQ(film.variance(0), Vec3(4));  // (1 − 5)²/4
+  EXPECT_EQ(film.variance(0), Vec3(3));  // (1 − 5)² · 3 · 1 / 4²
   EXPECT_EQ(film.variance(1), Vec3(0));
 }
 

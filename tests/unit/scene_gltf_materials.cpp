@@ -227,6 +227,27 @@ TEST(GltfLights, ProjectorsCarryTheirPicture) {
   EXPECT_EQ(outcome.scene.pictures[0].at(0, 0), Vec3(1, 0, 1));
 }
 
+TEST(GltfEnvironment, ComesThroughTheScenesExtras) {
+  GltfFixture gltf = triangle_fixture();
+  gltf.json["scenes"][0]["extras"]["halflight"]["environment"] = {
+      {"file", "sky.hdr"}, {"rotation", 90}, {"strength", 2}};
+  const TemporaryFolder folder;
+  // Two texels of radiance 1 (mantissa 128, exponent 129).
+  std::string texels;
+  for (int i = 0; i < 2; ++i) texels += {'\x80', '\x80', '\x80', '\x81'};
+  folder.write("sky.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + texels);
+  const LoadOutcome outcome = load_outcome(folder.write("a.gltf", gltf.text()));
+  const Environment& sky = outcome.scene.environment;
+  ASSERT_TRUE(sky.present()) << outcome.all();
+  EXPECT_NEAR(sky.map.pixels.at(0).x, 1, 0.01);
+  EXPECT_NEAR(sky.rotation, pi / 2, 1e-6);
+  EXPECT_EQ(sky.strength, 2);
+  std::filesystem::remove(folder.path() / "sky.hdr");
+  const LoadOutcome without = load_outcome(folder.path() / "a.gltf");
+  EXPECT_EQ(without.exit, ExitCode::ok);
+  EXPECT_TRUE(without.tells("there is no environment")) << without.all();
+}
+
 TEST(GltfCameras, StandWhereTheirNodeDoes) {
   GltfFixture gltf = triangle_fixture();
   const double half = std::sqrt(0.5);

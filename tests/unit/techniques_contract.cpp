@@ -221,7 +221,9 @@ TEST_P(TechniqueContract, BackgroundAndBlackKeepTheirBase) {
   const PassStats stats = technique->run_pass(room.frame, request_of(0, 8), film);
   EXPECT_EQ(film.radiance(0), room.base[0]);
   EXPECT_EQ(film.radiance(1), room.base[1]);
-  EXPECT_GT(film.radiance(2).x, room.base[2].x);
+  float added = 0;
+  for (uint32_t i = 2; i < brdfs.size(); ++i) added += film.radiance(i).x - room.base[i].x;
+  EXPECT_GT(added, 0);
   EXPECT_EQ(stats.pixels, room.gbuffer.texels.size());
   EXPECT_EQ(stats.useful_rays, stats.rays.visibility);
   EXPECT_GT(stats.useful_rays, 0u);
