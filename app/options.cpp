@@ -230,7 +230,7 @@ const OptionInfo table[] = {
      set_limit<&LoadLimits::triangles>},
     {"limit-buffer-bytes", "", "N", "8G", limits_group, "", "bytes of all buffers of a scene", of_scenes,
      set_limit<&LoadLimits::buffer_bytes>},
-    {"limit-nodes", "", "N", "10000000", limits_group, "", "nodes of a scene", of_scenes,
+    {"limit-nodes", "", "N", "1000000", limits_group, "", "nodes of a scene", of_scenes,
      set_limit<&LoadLimits::nodes>},
     {"limit-json-depth", "", "N", "256", limits_group, "", "nesting of a scene's JSON", of_scenes,
      [](Options& o, const std::string& v) {

@@ -1,5 +1,10 @@
 # Tests of film, and of the image readers and environments that it shares its formats with.
 halflight_unit_test(film_film halflight_film)
+halflight_unit_test(film_flip halflight_film)
+halflight_unit_test(film_writers halflight_film OpenEXR::OpenEXR)
 halflight_unit_test(scene_images halflight_scene halflight_film)
 halflight_unit_test(scene_environment halflight_scene halflight_film)
 halflight_unit_test(scene_images_faults halflight_scene halflight_film LABELS malformed)
+halflight_unit_test(scene_images_exr halflight_scene OpenEXR::OpenEXR LABELS malformed)
+halflight_unit_test(scene_images_shared halflight_scene LABELS malformed)
+halflight_unit_test(film_writers_limits halflight_film halflight_scene)

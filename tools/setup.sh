@@ -5,10 +5,10 @@ build_packages=(
   g++ cmake ninja-build pkg-config
   libembree-dev libtbb-dev libglfw3-dev libimgui-dev
   libgl-dev libegl-dev libegl-mesa0 libgl1-mesa-dri libopengl-dev libosmesa6
-  libtinygltf-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libwebp-dev
+  nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libwebp-dev
   fonts-dejavu-core libopenexr-dev libstb-dev libglm-dev libhwy-dev libfmt-dev libcli11-dev
 )
-test_packages=(libgtest-dev libbenchmark-dev xvfb xauth xdotool imagemagick)
+test_packages=(libtinygltf-dev libgtest-dev libbenchmark-dev xvfb xauth xdotool imagemagick)
 
 say() { printf '%s\n' "$*" >&2; }
 

@@ -1,46 +1,15 @@
 #include <algorithm>
+#include <cmath>
 
 #include "core/random.h"
 #include "core/tables.h"
 #include "core/warp.h"
+#include "lights/emitters.h"
 #include "lights/light_points.h"
 
 namespace halflight {
 
 namespace {
-
-/// Luminance of what a triangle emits on average, from four points of it; never quite 0 where the material
-/// emits.
-float mean_emission(const Scene& scene, uint32_t triangle) {
-  constexpr Vec2 places[] = {{1.0f / 3, 1.0f / 3}, {0.6f, 0.2f}, {0.2f, 0.6f}, {0.2f, 0.2f}};
-  float sum = 0;
-  for (const Vec2 place : places) sum += 0.25f * luminance(surface_emission(scene, {triangle, place}, 1));
-  return std::max(sum, 1e-3f * luminance(scene.materials[scene.triangle_material[triangle]].emission));
-}
-
-struct Emitters {
-  std::vector<uint32_t> triangles;
-  std::vector<float> areas, powers;  ///< powers are relative: their sum is about one
-};
-
-Emitters find_emitters(const Scene& scene) {
-  Emitters emitters;
-  std::vector<double> powers;
-  double total = 0;
-  for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-    const Material& material = scene.materials[scene.triangle_material[i]];
-    const float area = 0.5f * glm::length(triangle_cross(scene, i));
-    if (!material.emissive() || material.unlit || !(area > 0)) continue;
-    emitters.triangles.push_back(i);
-    emitters.areas.push_back(area);
-    powers.push_back(static_cast<double>(area) * mean_emission(scene, i));
-    total += powers.back();
-  }
-  for (double power : powers)
-    emitters.powers.push_back(total > 0 ? static_cast<float>(power / total)
-                                        : 1.0f / static_cast<float>(powers.size()));
-  return emitters;
-}
 
 /// A light a side that emits at a point standing for `area`.
 void add_lights(const Scene& scene, SurfacePoint point, float area, std::vector<VirtualLight>& lights) {
@@ -52,47 +21,52 @@ void add_lights(const Scene& scene, SurfacePoint point, float area, std::vector<
     light.measure = area;
     light.normal = glm::normalize(cross) * static_cast<float>(side);
     light.kind = LightKind::emitter;
-    light.radiance = surface_emission(scene, point, side);
+    light.radiance = covered_emission(scene, point, side);
     light.source = point.triangle;
     lights.push_back(light);
+  }
+}
+
+/// More triangles than points: systematic choice by power, each chosen one standing for area / expected
+/// count.
+void add_chosen_lights(const Scene& scene, const std::vector<EmissiveTriangle>& emitters, uint32_t count,
+                       uint64_t seed, std::vector<VirtualLight>& lights) {
+  std::vector<float> powers;
+  for (const EmissiveTriangle& emitter : emitters) powers.push_back(emitter.power);
+  const DiscreteTable table(powers);
+  for (uint32_t i = 0; i < count; ++i) {
+    RandomStream random(i, 0, seed);
+    const float u = (static_cast<float>(i) + random.next()) / static_cast<float>(count);
+    const auto draw = table.draw(std::min(u, 0x1.fffffep-1f));
+    const float area = emitters[draw.index].area / (static_cast<float>(count) * draw.probability);
+    add_lights(scene, {emitters[draw.index].triangle, uniform_triangle(random.next2())}, area, lights);
   }
 }
 
 }  // namespace
 
 std::vector<VirtualLight> emitter_points(const Scene& scene, const LightPointSettings& settings) {
-  const Emitters emitters = find_emitters(scene);
-  std::vector<VirtualLight> lights;
-  const size_t count = emitters.triangles.size(), budget = std::max<size_t>(settings.count / 4, 1);
+  const std::vector<EmissiveTriangle> emitters = emissive_triangles(scene);
   const uint64_t seed = hash_combine(settings.seed, 0x656d6974ull);
-  if (count == 0) return lights;
-
-  if (count > budget) {
-    // More triangles than points: systematic choice by power, each chosen one standing for area / expected
-    // count.
-    const DiscreteTable table(emitters.powers);
-    for (size_t i = 0; i < budget; ++i) {
-      RandomStream random(i, 0, seed);
-      const float u = (static_cast<float>(i) + random.next()) / static_cast<float>(budget);
-      const auto draw = table.draw(std::min(u, 0x1.fffffep-1f));
-      const float area = emitters.areas[draw.index] / (static_cast<float>(budget) * draw.probability);
-      add_lights(scene, {emitters.triangles[draw.index], uniform_triangle(random.next2())}, area, lights);
-    }
+  std::vector<VirtualLight> lights;
+  if (emitters.size() > settings.count) {
+    add_chosen_lights(scene, emitters, settings.count, seed, lights);
     return lights;
   }
-  for (size_t i = 0; i < count; ++i) {
-    const auto share = static_cast<size_t>(
-        std::lround(static_cast<double>(emitters.powers[i]) * static_cast<double>(budget)));
+  // A quarter of |S| resolves the penumbrae of a few emitters; many small ones take what their minimum asks.
+  const size_t budget = std::min<size_t>(settings.count / 4, settings.count - emitters.size());
+  for (const EmissiveTriangle& emitter : emitters) {
+    const auto share = static_cast<size_t>(static_cast<double>(emitter.power) * static_cast<double>(budget));
     const size_t points = std::max<size_t>(share, 1);
-    RandomStream random(emitters.triangles[i], 0, seed);
+    RandomStream random(emitter.triangle, 0, seed);
     const Vec2 shift = random.next2();
     for (size_t j = 0; j < points; ++j) {
       // A rotated lattice (Roberts 2018, R2) fills the triangle evenly; each point alone is uniform.
       const double x = shift.x + static_cast<double>(j) * 0.7548776662466927;
       const double y = shift.y + static_cast<double>(j) * 0.5698402909980532;
       const Vec2 u(static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y)));
-      add_lights(scene, {emitters.triangles[i], uniform_triangle(u)},
-                 emitters.areas[i] / static_cast<float>(points), lights);
+      add_lights(scene, {emitter.triangle, uniform_triangle(u)}, emitter.area / static_cast<float>(points),
+                 lights);
     }
   }
   return lights;

@@ -11,6 +11,8 @@ namespace halflight {
 
 namespace {
 
+constexpr double double_pi = 3.141592653589793;
+
 VirtualLight distant_light(Vec3 direction, float solid_angle, Vec3 radiance, uint32_t source) {
   VirtualLight light;
   light.position = direction;
@@ -22,9 +24,16 @@ VirtualLight distant_light(Vec3 direction, float solid_angle, Vec3 radiance, uin
   return light;
 }
 
-float texel_power(const Environment& environment, size_t texel) {
-  const int y = static_cast<int>(texel / static_cast<size_t>(environment.map.width));
-  return luminance(environment.map.pixels[texel]) * texel_solid_angle(environment, y);
+/// Luminance × solid angle of each texel.
+std::vector<float> texel_powers(const Environment& environment) {
+  const ImageRgb& map = environment.map;
+  std::vector<float> powers;
+  powers.reserve(map.pixels.size());
+  for (int y = 0; y < map.height; ++y) {
+    const float solid_angle = texel_solid_angle(environment, y);
+    for (int x = 0; x < map.width; ++x) powers.push_back(luminance(map.at(x, y)) * solid_angle);
+  }
+  return powers;
 }
 
 Vec2 texel_uv(const ImageRgb& map, size_t texel, Vec2 inside) {
@@ -36,17 +45,15 @@ Vec2 texel_uv(const ImageRgb& map, size_t texel, Vec2 inside) {
 /// Texels that hold more power than a few cells should, brightest first: suns and lamps get a point of their
 /// own.
 std::vector<size_t> bright_texels(const Environment& environment, uint32_t count) {
-  const size_t texels = environment.map.pixels.size();
+  const std::vector<float> powers = texel_powers(environment);
   double total = 0;
-  for (size_t i = 0; i < texels; ++i) total += texel_power(environment, i);
+  for (const float power : powers) total += static_cast<double>(power);
   constexpr double cells_worth = 2;
   const double threshold = cells_worth * total / count;
   std::vector<size_t> bright;
-  for (size_t i = 0; i < texels; ++i)
-    if (texel_power(environment, i) > threshold) bright.push_back(i);
-  std::stable_sort(bright.begin(), bright.end(), [&](size_t a, size_t b) {
-    return texel_power(environment, a) > texel_power(environment, b);
-  });
+  for (size_t i = 0; i < powers.size(); ++i)
+    if (static_cast<double>(powers[i]) > threshold) bright.push_back(i);
+  std::stable_sort(bright.begin(), bright.end(), [&](size_t a, size_t b) { return powers[a] > powers[b]; });
   bright.resize(std::min<size_t>(bright.size(), count / 2));
   return bright;
 }
@@ -54,13 +61,20 @@ std::vector<size_t> bright_texels(const Environment& environment, uint32_t count
 /// What the texels nearest to one point add up to.
 struct Cell {
   double solid_angle = 0;
-  Vec3d flux{0}, direction{0};
+  Vec3d flux{0}, direction{0}, middle{0};
 
   void add(Vec3 towards, Vec3 radiance, double omega) {
     solid_angle += omega;
     flux += Vec3d(radiance) * omega;
     // Centred by power: the cell's light then comes from where most of it is.
-    direction += Vec3d(towards) * (omega * (static_cast<double>(luminance(radiance)) + 1e-30));
+    const double power = omega * static_cast<double>(luminance(radiance));
+    direction += Vec3d(towards) * power;
+    middle += Vec3d(towards) * omega;
+  }
+  Vec3 centre() const {
+    const Vec3d most = glm::dot(direction, direction) > 0 ? direction : middle;
+    const double length = glm::length(most);
+    return length > 0 ? Vec3(most / length) : Vec3(0, 1, 0);
   }
 };
 
@@ -68,9 +82,7 @@ struct Cell {
 /// mean.
 std::vector<VirtualLight> random_points(const Environment& environment, const LightPointSettings& settings) {
   const ImageRgb& map = environment.map;
-  std::vector<float> powers(map.pixels.size());
-  for (size_t i = 0; i < powers.size(); ++i) powers[i] = texel_power(environment, i);
-  const DiscreteTable table(powers);
+  const DiscreteTable table(texel_powers(environment));
   std::vector<VirtualLight> lights;
   if (table.empty()) return lights;
   const uint64_t seed = hash_combine(settings.seed, 0x656e76ull);
@@ -93,6 +105,76 @@ std::vector<VirtualLight> random_points(const Environment& environment, const Li
   return lights;
 }
 
+/// Turns the even set at random, so that redrawn sets differ.
+glm::dmat3 random_turn(uint64_t seed) {
+  RandomStream random(0, 0, hash_combine(seed, 0x746f7572ull));
+  const Vec2 axis = random.next2();
+  return glm::mat3_cast(glm::angleAxis(2 * double_pi * random.next(), Vec3d(uniform_sphere(axis))));
+}
+
+/// A map cut up so finely that each of `points` cells has several pieces.
+struct Pieces {
+  int cut, rows, columns;  ///< cut × cut a texel
+
+  Pieces(const ImageRgb& map, uint32_t points) {
+    constexpr double pieces_a_point = 8;
+    const double texels = static_cast<double>(map.pixels.size());
+    cut = std::clamp(static_cast<int>(std::ceil(std::sqrt(pieces_a_point * points / texels))), 1, 64);
+    rows = map.height * cut;
+    columns = map.width * cut;
+  }
+  double polar_angle(double row) const { return double_pi * row / rows; }
+  double solid_angle(int row) const {
+    return (std::cos(polar_angle(row)) - std::cos(polar_angle(row + 1))) * 2 * double_pi / columns;
+  }
+};
+
+/// Gives every piece of the texels that are not `alone` to the nearest of `points` evenly spread directions.
+std::vector<Cell> share_texels(const Environment& environment, const std::vector<bool>& alone,
+                               uint32_t points, const glm::dmat3& turn) {
+  const ImageRgb& map = environment.map;
+  const Pieces pieces(map, points);
+  const glm::dmat3 turn_back = glm::transpose(turn);
+  std::vector<Vec3> meridians;  // directions at the horizon
+  for (int column = 0; column < pieces.columns; ++column)
+    meridians.push_back(environment_direction(
+        environment, {(static_cast<float>(column) + 0.5f) / static_cast<float>(pieces.columns), 0.5f}));
+  std::vector<Vec2> parallels;  // sine and cosine of each row's polar angle
+  for (int row = 0; row < pieces.rows; ++row)
+    parallels.emplace_back(std::sin(pieces.polar_angle(row + 0.5)), std::cos(pieces.polar_angle(row + 0.5)));
+  const auto direction = [&](int row, int column) {
+    const Vec3 horizontal = meridians[static_cast<size_t>(column)];
+    const Vec2 parallel = parallels[static_cast<size_t>(row)];
+    return Vec3(horizontal.x * parallel.x, parallel.y, horizontal.z * parallel.x);
+  };
+
+  // Nearest points are found in parallel and added up in order: the same sums for any number of threads.
+  std::vector<Cell> cells(points);
+  constexpr int band = 64;
+  std::vector<uint32_t> nearest(static_cast<size_t>(band) * pieces.columns);
+  for (int begin = 0; begin < pieces.rows; begin += band) {
+    const int end = std::min(pieces.rows, begin + band);
+    parallel_for(0, static_cast<size_t>(end - begin), 2, [&](size_t first, size_t last) {
+      FibonacciSearch search(points);
+      for (size_t row = first; row < last; ++row)
+        for (int column = 0; column < pieces.columns; ++column)
+          nearest[row * pieces.columns + column] =
+              search.nearest(turn_back * Vec3d(direction(begin + static_cast<int>(row), column)));
+    });
+    for (int row = begin; row < end; ++row) {
+      const double omega = pieces.solid_angle(row);
+      for (int column = 0; column < pieces.columns; ++column) {
+        const size_t texel =
+            static_cast<size_t>(row / pieces.cut) * map.width + static_cast<size_t>(column / pieces.cut);
+        if (alone[texel]) continue;
+        cells[nearest[static_cast<size_t>(row - begin) * pieces.columns + column]].add(
+            direction(row, column), map.pixels[texel], omega);
+      }
+    }
+  }
+  return cells;
+}
+
 }  // namespace
 
 std::vector<VirtualLight> environment_points(const Environment& environment,
@@ -112,59 +194,13 @@ std::vector<VirtualLight> environment_points(const Environment& environment,
                                    map.pixels[texel] * environment.strength, static_cast<uint32_t>(texel)));
   }
 
-  // The rest is shared among evenly spread points, turned at random by the seed. Texels are cut up until each
-  // point has several pieces.
   const uint32_t points = settings.count - static_cast<uint32_t>(bright.size());
-  constexpr double pieces_a_point = 8;
-  const int cut =
-      std::clamp(static_cast<int>(std::ceil(std::sqrt(pieces_a_point * points / map.pixels.size()))), 1, 64);
-  RandomStream random(0, 0, hash_combine(settings.seed, 0x746f7572ull));
-  const Vec2 u = random.next2();
-  const glm::dmat3 turn =
-      glm::mat3_cast(glm::angleAxis(2 * 3.141592653589793 * random.next(), Vec3d(uniform_sphere(u))));
-  const glm::dmat3 turn_back = glm::transpose(turn);
-
-  // Rows are found in parallel and added in order: the same sums for any number of threads.
-  std::vector<Cell> cells(points);
-  struct Piece {
-    uint32_t cell;
-    Vec3 towards;
-  };
-  const int rows = map.height * cut, columns = map.width * cut;
-  constexpr int band = 64;
-  std::vector<Piece> pieces;
-  for (int band_begin = 0; band_begin < rows; band_begin += band) {
-    const int band_end = std::min(rows, band_begin + band);
-    pieces.resize(static_cast<size_t>(band_end - band_begin) * columns);
-    parallel_for(static_cast<size_t>(band_begin), static_cast<size_t>(band_end), 2,
-                 [&](size_t begin, size_t end) {
-                   for (size_t row = begin; row < end; ++row) {
-                     for (int column = 0; column < columns; ++column) {
-                       const Vec2 uv((column + 0.5f) / static_cast<float>(columns),
-                                     (static_cast<float>(row) + 0.5f) / static_cast<float>(rows));
-                       const Vec3 towards = environment_direction(environment, uv);
-                       pieces[(row - static_cast<size_t>(band_begin)) * columns + column] = {
-                           nearest_fibonacci(turn_back * Vec3d(towards), points), towards};
-                     }
-                   }
-                 });
-    for (int row = band_begin; row < band_end; ++row) {
-      const double top = std::cos(3.141592653589793 * row / rows),
-                   low = std::cos(3.141592653589793 * (row + 1) / rows);
-      const double omega = (top - low) * 2 * 3.141592653589793 / columns;
-      for (int column = 0; column < columns; ++column) {
-        const size_t texel = static_cast<size_t>(row / cut) * map.width + static_cast<size_t>(column / cut);
-        const Piece& piece = pieces[static_cast<size_t>(row - band_begin) * columns + column];
-        if (!alone[texel]) cells[piece.cell].add(piece.towards, map.pixels[texel], omega);
-      }
-    }
-  }
+  const std::vector<Cell> cells = share_texels(environment, alone, points, random_turn(settings.seed));
   for (uint32_t i = 0; i < points; ++i) {
     const Cell& cell = cells[i];
     if (!(cell.solid_angle > 0)) continue;
     const Vec3 radiance = Vec3(cell.flux / cell.solid_angle) * environment.strength;
-    lights.push_back(distant_light(glm::normalize(Vec3(glm::normalize(cell.direction))),
-                                   static_cast<float>(cell.solid_angle), radiance, i));
+    lights.push_back(distant_light(cell.centre(), static_cast<float>(cell.solid_angle), radiance, i));
   }
   return lights;
 }

@@ -50,4 +50,19 @@ uint32_t nearest_fibonacci(Vec3d p, uint32_t count) {
   return best;
 }
 
+FibonacciSearch::FibonacciSearch(uint32_t count)
+    : count_(count), place_(fibonacci_direction(0, count)), certain_(2.2 / count) {
+  // Two points of the set are at least 3.09/√n apart, for n > 20 or so (a test measures it): within half of
+  // that, squared, no other is nearer.
+  if (count < 32) certain_ = 0;
+}
+
+uint32_t FibonacciSearch::nearest(Vec3d direction) {
+  const Vec3d offset = direction - place_;
+  if (glm::dot(offset, offset) < certain_) return last_;
+  last_ = nearest_fibonacci(direction, count_);
+  place_ = fibonacci_direction(last_, count_);
+  return last_;
+}
+
 }  // namespace halflight

@@ -1,6 +1,10 @@
 #include "lights/surface_walk.h"
 
 #include <algorithm>
+#include <bit>
+
+#include "core/random.h"
+#include "lights/point_grid.h"
 
 namespace halflight {
 
@@ -8,23 +12,55 @@ namespace {
 
 /// One number a distinct place, so that vertices split for their normals or uvs still meet.
 std::vector<uint32_t> weld_vertices(const Scene& scene) {
-  const size_t count = scene.vertices.size();
-  std::vector<uint32_t> order(count), place(count);
-  for (uint32_t i = 0; i < count; ++i) order[i] = i;
-  const auto less = [&](uint32_t a, uint32_t b) {
-    const Vec3 &p = scene.vertices[a].position, &q = scene.vertices[b].position;
-    return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
-  };
-  std::sort(order.begin(), order.end(), less);
-  for (size_t i = 0; i < count; ++i)
-    place[order[i]] = i > 0 && !less(order[i - 1], order[i]) ? place[order[i - 1]] : order[i];
+  constexpr uint32_t free_slot = 0xffffffffu;
+  const size_t slots = std::bit_ceil(2 * scene.vertices.size() + 1);
+  std::vector<uint32_t> table(slots, free_slot), place(scene.vertices.size());
+  for (uint32_t i = 0; i < scene.vertices.size(); ++i) {
+    const Vec3 p = scene.vertices[i].position + 0.0f;  // −0 and 0 are one place
+    const uint64_t hash =
+        hash_combine(std::bit_cast<uint32_t>(p.x) | uint64_t{std::bit_cast<uint32_t>(p.y)} << 32,
+                     std::bit_cast<uint32_t>(p.z));
+    size_t slot = hash & (slots - 1);
+    while (table[slot] != free_slot && scene.vertices[table[slot]].position != p)
+      slot = (slot + 1) & (slots - 1);
+    if (table[slot] == free_slot) table[slot] = i;
+    place[i] = table[slot];
+  }
   return place;
 }
 
+/// An edge of a triangle, kept with the lower of its two vertices.
 struct Edge {
-  uint32_t low, high, triangle;
+  uint32_t high, triangle;
   int opposite;
 };
+
+/// The edges of all triangles, those of vertex v at [first[v], first[v + 1]).
+struct EdgeLists {
+  std::vector<uint32_t> first;
+  std::vector<Edge> edges;
+};
+
+EdgeLists edges_by_vertex(const Scene& scene, std::span<const uint32_t> triangles) {
+  const std::vector<uint32_t> place = weld_vertices(scene);
+  EdgeLists lists;
+  lists.first.assign(scene.vertices.size() + 1, 0);
+  const auto for_edges = [&](auto&& visit) {
+    for (const uint32_t i : triangles) {
+      for (int corner = 0; corner < 3; ++corner) {
+        const uint32_t a = place[scene.triangles[i][(corner + 1) % 3]],
+                       b = place[scene.triangles[i][(corner + 2) % 3]];
+        if (a != b) visit(std::min(a, b), Edge{std::max(a, b), i, corner});
+      }
+    }
+  };
+  for_edges([&](uint32_t low, const Edge&) { ++lists.first[low + 1]; });
+  for (size_t i = 0; i + 1 < lists.first.size(); ++i) lists.first[i + 1] += lists.first[i];
+  lists.edges.resize(lists.first.back());
+  std::vector<uint32_t> next(lists.first.begin(), lists.first.end() - 1);
+  for_edges([&](uint32_t low, const Edge& edge) { lists.edges[next[low]++] = edge; });
+  return lists;
+}
 
 std::array<Vec3, 3> corners(const Scene& scene, uint32_t triangle) {
   const UVec3 t = scene.triangles[triangle];
@@ -62,30 +98,32 @@ Vec3 unfold(Vec3 way, Vec3 edge, Vec3 from_corner, Vec3 into_corner, Vec3 on_edg
 
 }  // namespace
 
-TriangleNeighbours::TriangleNeighbours(const Scene& scene)
-    : across_(scene.triangles.size(), {none, none, none}) {
-  const std::vector<uint32_t> place = weld_vertices(scene);
-  std::vector<Edge> edges;
-  edges.reserve(3 * scene.triangles.size());
-  for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const uint32_t a = place[scene.triangles[i][(corner + 1) % 3]],
-                     b = place[scene.triangles[i][(corner + 2) % 3]];
-      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), i, corner});
+TriangleNeighbours::TriangleNeighbours(const Scene& scene, std::span<const uint32_t> triangles)
+    : across_(scene.triangles.size(), {none, none, none}), folds_(scene.triangles.size(), 0b111) {
+  EdgeLists lists = edges_by_vertex(scene, triangles);
+  for (size_t vertex = 0; vertex + 1 < lists.first.size(); ++vertex) {
+    const auto begin = lists.edges.begin() + lists.first[vertex],
+               end = lists.edges.begin() + lists.first[vertex + 1];
+    std::sort(begin, end, [](const Edge& a, const Edge& b) {
+      return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+    });
+    for (auto edge = begin; edge != end;) {
+      const auto other_end = std::find_if(edge, end, [&](const Edge& e) { return e.high != edge->high; });
+      if (other_end - edge == 2)
+        join(scene, edge[0].triangle, edge[0].opposite, edge[1].triangle, edge[1].opposite);
+      edge = other_end;
     }
   }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-  });
-  for (size_t i = 0; i < edges.size();) {
-    size_t end = i + 1;
-    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-    if (end - i == 2) {
-      across_[edges[i].triangle][static_cast<size_t>(edges[i].opposite)] = edges[i + 1].triangle;
-      across_[edges[i + 1].triangle][static_cast<size_t>(edges[i + 1].opposite)] = edges[i].triangle;
-    }
-    i = end;
-  }
+}
+
+void TriangleNeighbours::join(const Scene& scene, uint32_t a, int edge_a, uint32_t b, int edge_b) {
+  across_[a][static_cast<size_t>(edge_a)] = b;
+  across_[b][static_cast<size_t>(edge_b)] = a;
+  const Vec3 normal_a = triangle_cross(scene, a), normal_b = triangle_cross(scene, b);
+  const float lengths = glm::length(normal_a) * glm::length(normal_b);
+  if (glm::dot(normal_a, normal_b) < facing_together * lengths) return;
+  folds_[a] &= static_cast<uint8_t>(~(1u << edge_a));
+  folds_[b] &= static_cast<uint8_t>(~(1u << edge_b));
 }
 
 SurfacePoint walk_surface(const Scene& scene, const TriangleNeighbours& neighbours, SurfacePoint start,
@@ -112,7 +150,7 @@ SurfacePoint walk_surface(const Scene& scene, const TriangleNeighbours& neighbou
     border[edge] = 0;
     const SurfacePoint stop = clamped(at.triangle, border);
     const uint32_t next = neighbours.across(at.triangle, edge);
-    if (next == TriangleNeighbours::none) return stop;
+    if (next == TriangleNeighbours::none) return clamped(at.triangle, glm::mix(from, border, 0.9f));
 
     const Vec3 on_edge = surface_position(scene, stop);
     const std::array<Vec3, 3> n = corners(scene, next);

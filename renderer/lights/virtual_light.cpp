@@ -71,7 +71,10 @@ LightConnection connect_punctual(const PunctualLight& light, const Scene& scene,
   const float distance = std::sqrt(distance2);
   const Vec3 wi = offset / distance;
   const float window = range_window(distance, light.range);
-  return {wi, distance, punctual_intensity(light, scene, -wi) * (window / distance2)};
+  // A point next to the light keeps a finite value, whatever the unit of length.
+  constexpr float largest = 1e37f;
+  return {wi, distance,
+          glm::min(punctual_intensity(light, scene, -wi) * (window / distance2), Vec3(largest))};
 }
 
 LightConnection connect(const VirtualLight& light, const Scene& scene, Vec3 x, GeometryTerm term) {

@@ -19,7 +19,7 @@ struct VirtualLight {
   Vec3 normal;    ///< unit; emitting side. Punctual: the way the light travels
   LightKind kind;
   Vec3 radiance;    ///< L_i; punctual: intensity (cd) or, directional, E⊥ (lux)
-  uint32_t source;  ///< surface: 2·point + side; emitter: triangle; environment: texel; punctual:
+  uint32_t source;  ///< surface: 2·point + side; emitter: triangle; environment: texel or cell; punctual:
                     ///< Scene::lights index
 
   bool at_infinity() const { return kind == LightKind::environment; }

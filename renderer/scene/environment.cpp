@@ -27,17 +27,14 @@ Vec3 turn_about_up(Vec3 d, float angle) {
   return {c * d.x + s * d.z, d.y, -s * d.x + c * d.z};
 }
 
-/// Texels that are no radiance become 0; returns how many.
+/// What is no radiance becomes 0; returns the number of such texels. Of a texel with a negative channel the
+/// others stay: a saturated sun just outside the gamut is still the sun.
 size_t clean_texels(ImageRgb& image) {
   constexpr float brightest = 1e30f;  // so that sums over the map, times strength, stay finite
   size_t bad = 0;
   for (Vec3& texel : image.pixels) {
-    if (is_finite(texel) && std::min({texel.x, texel.y, texel.z}) >= 0) {
-      texel = glm::min(texel, brightest);
-      continue;
-    }
-    texel = Vec3(0);
-    ++bad;
+    if (!is_finite(texel) || std::min({texel.x, texel.y, texel.z}) < 0) ++bad;
+    texel = is_finite(texel) ? glm::clamp(texel, 0.0f, brightest) : Vec3(0);
   }
   return bad;
 }
@@ -71,17 +68,18 @@ Vec3 angular_value(const ImageRgb& image, Vec3 d) {
 ImageRgb resample_angular(const ImageRgb& image) {
   constexpr int pieces = 4;
   ImageRgb map(2 * image.height, image.height);
-  parallel_for(0, static_cast<size_t>(map.height), 8, [&](size_t begin, size_t end) {
-    for (size_t y = begin; y < end; ++y) {
-      for (int x = 0; x < map.width; ++x) {
-        Vec3 sum(0);
-        for (int i = 0; i < pieces * pieces; ++i) {
-          const Vec2 inside((static_cast<float>(i % pieces) + 0.5f) / pieces,
-                            (static_cast<float>(i / pieces) + 0.5f) / pieces);
-          sum += angular_value(image, map_direction((Vec2(x, y) + inside) / Vec2(map.width, map.height)));
-        }
-        map.at(x, static_cast<int>(y)) = sum / static_cast<float>(pieces * pieces);
-      }
+  std::vector<Vec3> equator;  // directions at the height of the eye, one a piece of a column
+  for (int i = 0; i < pieces * map.width; ++i)
+    equator.push_back(
+        map_direction({(static_cast<float>(i) + 0.5f) / static_cast<float>(pieces * map.width), 0.5f}));
+  parallel_for(0, static_cast<size_t>(map.height), 4, [&](size_t begin, size_t end) {
+    for (size_t piece = begin * pieces; piece < end * pieces; ++piece) {
+      const float theta = pi * (static_cast<float>(piece) + 0.5f) / static_cast<float>(pieces * map.height);
+      const float sine = std::sin(theta), cosine = std::cos(theta);
+      Vec3* const row = &map.pixels[piece / pieces * static_cast<size_t>(map.width)];
+      for (size_t i = 0; i < equator.size(); ++i)
+        row[i / pieces] += angular_value(image, {sine * equator[i].x, cosine, sine * equator[i].z}) *
+                           (1.0f / (pieces * pieces));
     }
   });
   return map;
@@ -94,16 +92,19 @@ Vec3 sky_radiance(Vec3 d) {
   const Vec3 sunlight(1.0f, 0.80f, 0.52f), halo(1.0f, 0.82f, 0.56f);
   const float height = std::max(d.y, 0.0f), cosine = glm::dot(d, sun_direction);
 
+  // The last few degrees above and below the horizon are warm.
+  const Vec3 warmth = glm::mix(Vec3(1), Vec3(1.16f, 0.99f, 0.80f), std::exp(-12 * std::abs(d.y)));
+
   // Bluer away from the horizon; forward scattering by haze about the sun (Henyey & Greenstein 1941, g =
   // 0.8), and a disc blurred over a few texels.
   constexpr float g = 0.8f;
-  const Vec3 clear = glm::mix(horizon, zenith, 1 - std::pow(1 - height, 4.0f));
+  const Vec3 clear = glm::mix(horizon, zenith, 1 - std::pow(1 - height, 4.0f)) * warmth;
   const float scattered = (1 - g * g) / std::pow(1 + g * g - 2 * g * cosine, 1.5f);
   const float disc = 330 * std::exp(1100 * (cosine - 1)) + 5 * std::exp(120 * (cosine - 1));
   const Vec3 sky = clear + 0.04f * scattered * halo + disc * sunlight;
 
   // The ground fades into haze towards the horizon.
-  const Vec3 below = glm::mix(ground, 0.62f * horizon, std::exp(9 * std::min(d.y, 0.0f)));
+  const Vec3 below = glm::mix(ground, 0.62f * horizon, std::exp(9 * std::min(d.y, 0.0f))) * warmth;
   return glm::mix(below, sky, glm::smoothstep(-0.02f, 0.02f, d.y));
 }
 
@@ -157,8 +158,8 @@ Environment load_environment(const std::filesystem::path& path, const LoadLimits
                              Messages& messages) {
   Environment environment = make_environment(read_image(path, limits), path.string());
   if (environment.bad_texels > 0)
-    messages.warn(fmt::format("{}: {} of its texels, negative or not finite, count as black", path.string(),
-                              environment.bad_texels));
+    messages.warn(fmt::format("{}: {} of its texels are negative or not finite in places; 0 stands for that",
+                              path.string(), environment.bad_texels));
   return environment;
 }
 

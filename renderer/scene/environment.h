@@ -14,7 +14,7 @@ struct Environment {
   ImageRgb map;         ///< latitude-longitude; other layouts are resampled to it when read
   float rotation = 0;   ///< radians about +y, counter-clockwise seen from above
   float strength = 1;   ///< multiplies the radiance
-  size_t bad_texels = 0;  ///< NaN, infinite or negative texels that became 0
+  size_t bad_texels = 0;  ///< not finite, which became 0, or with negative channels, which became 0
 
   bool present() const { return !map.pixels.empty(); }
 };
@@ -35,7 +35,8 @@ float texel_solid_angle(const Environment&, int y);
 enum class EnvironmentLayout { automatic, latlong, angular };
 
 /// Makes an environment of an image: square images are Debevec's angular map, others latitude-longitude, unless told.
-/// NaN, infinite and negative texels become 0 and are counted; above 1e30 they become 1e30.
+/// Texels with a NaN or an infinity, and negative channels of others, become 0; those texels are counted. Channels above
+/// 1e30 become 1e30.
 Environment make_environment(ImageRgb image, std::string name,
                              EnvironmentLayout layout = EnvironmentLayout::automatic);
 

@@ -18,6 +18,7 @@
 #include <new>
 #include <optional>
 
+#include "scene/exr_header.h"
 #include "scene/image_files.h"
 
 namespace halflight {
@@ -78,16 +79,6 @@ bool is_flat(const Imf::Header& header) {
 int64_t width_of(const Window& window) { return int64_t{window.max.x} - window.min.x + 1; }
 int64_t height_of(const Window& window) { return int64_t{window.max.y} - window.min.y + 1; }
 
-void check_size(const Window& window, const char* place, const LoadLimits& limits, const std::string& name) {
-  const int64_t width = width_of(window), height = height_of(window);
-  if (width <= 0 || height <= 0)
-    throw input_error(name, place, fmt::format("{} x {} is no picture size", width, height));
-  if (width > 1 << 24 || height > 1 << 24 || static_cast<uint64_t>(width * height) > limits.image_pixels)
-    throw input_error(
-        name, place,
-        fmt::format("{} x {} pixels exceed --limit-image-pixels {}", width, height, limits.image_pixels));
-}
-
 /// Lines that are compressed together (OpenEXR file layout, "Compression").
 uint64_t lines_in_block(Imf::Compression compression) {
   switch (compression) {
@@ -125,20 +116,59 @@ void check_block(const Imf::Header& header, const std::string& name) {
                       fmt::format("blocks of {} lines of {} pixels are too large", lines, width));
 }
 
+/// A display window is filled whatever the file holds: a few bytes must not ask for gigabytes.
+void check_display(const Window& window, const Window& display, const std::string& name) {
+  constexpr int64_t always_fine = 1 << 24, most_black = 64;
+  const int64_t stored = width_of(window) * height_of(window), shown = width_of(display) * height_of(display);
+  if (shown > always_fine && shown / most_black > stored)
+    throw input_error(name, "displayWindow",
+                      fmt::format("{} x {} pixels, of which only {} x {} are in the file", width_of(display),
+                                  height_of(display), width_of(window), height_of(window)));
+}
+
+/// The library's reconstruction of colour knows one part, and holds some thirty lines of the picture.
+void check_luminance_chroma(const Imf::MultiPartInputFile& file, int index, const std::string& name) {
+  constexpr int64_t widest = 1 << 20;
+  if (file.parts() > 1)
+    throw input_error(name, fmt::format("part {}", index),
+                      "luminance and chroma are read from single-part files only");
+  if (width_of(file.header(index).dataWindow()) > widest)
+    throw input_error(name, "dataWindow",
+                      fmt::format("luminance and chroma are read up to {} pixels wide", widest));
+}
+
+/// Lines to read at a time: whole blocks of lines or rows of tiles, about a million pixels.
+int lines_in_band(const Imf::Header& header) {
+  constexpr int64_t pixels = 1 << 20;
+  const Window window = header.dataWindow();
+  const int64_t lines = header.hasTileDescription()
+                            ? std::max<int64_t>(1, header.tileDescription().ySize)
+                            : static_cast<int64_t>(lines_in_block(header.compression()));
+  const int64_t blocks = std::max<int64_t>(1, pixels / (lines * width_of(window)));
+  return static_cast<int>(std::min(lines * blocks, height_of(window)));
+}
+
+/// An image of the window's size whose pixels are yet to come: memory that is not written to is not taken.
+ImageRgb reserved_image(const Window& window) {
+  ImageRgb image;
+  image.width = static_cast<int>(width_of(window)), image.height = static_cast<int>(height_of(window));
+  image.pixels.reserve(static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
+  return image;
+}
+
 /// Luminance and two chroma channels at half the resolution, through the library's own reconstruction.
 ImageRgb read_luminance_chroma(MemoryInput& stream, const Window& window) {
   stream.seekg(0);
   Imf::RgbaInputFile file(stream);
-  const int width = static_cast<int>(width_of(window)), height = static_cast<int>(height_of(window));
-  ImageRgb image(width, height);
-  std::vector<Imf::Rgba> line(static_cast<size_t>(width));
-  for (int y = 0; y < height; ++y) {
-    // The library adds x and y times the strides to an address that may lie outside the line.
-    const auto base =
-        reinterpret_cast<uintptr_t>(line.data()) - sizeof(Imf::Rgba) * static_cast<uintptr_t>(window.min.x);
-    file.setFrameBuffer(reinterpret_cast<Imf::Rgba*>(base), 1, 0);
-    file.readPixels(window.min.y + y);
-    for (int x = 0; x < width; ++x) image.at(x, y) = {line[x].r, line[x].g, line[x].b};
+  ImageRgb image = reserved_image(window);
+  std::vector<Imf::Rgba> line(static_cast<size_t>(image.width));
+  // The library adds x times the stride to an address that may lie outside the line.
+  const auto base = reinterpret_cast<uintptr_t>(line.data()) -
+                    sizeof(Imf::Rgba) * static_cast<uintptr_t>(int64_t{window.min.x});
+  file.setFrameBuffer(reinterpret_cast<Imf::Rgba*>(base), 1, 0);
+  for (int row = 0; row < image.height; ++row) {
+    file.readPixels(window.min.y + row);
+    for (const Imf::Rgba& pixel : line) image.pixels.emplace_back(pixel.r, pixel.g, pixel.b);
   }
   return image;
 }
@@ -147,17 +177,12 @@ ImageRgb read_luminance_chroma(MemoryInput& stream, const Window& window) {
 ImageRgb read_channels(Imf::MultiPartInputFile& file, int index, const ColorChannels& color) {
   const Imf::Header& header = file.header(index);
   const Window window = header.dataWindow();
-  int band_height = 256;
-  if (header.hasTileDescription()) {
-    const int tile = static_cast<int>(std::min(header.tileDescription().ySize, 1u << 24));
-    band_height = (band_height + tile - 1) / tile * tile;
-  }
+  const int band_height = lines_in_band(header);
   Imf::InputPart part(file, index);
-  ImageRgb image;
-  image.width = static_cast<int>(width_of(window)), image.height = static_cast<int>(height_of(window));
-  image.pixels.reserve(static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
-  for (int y = window.min.y; y <= window.max.y; y += band_height) {
-    const int last = std::min(window.max.y, y + band_height - 1);
+  ImageRgb image = reserved_image(window);
+  for (int64_t top = window.min.y; top <= window.max.y; top += band_height) {
+    const int y = static_cast<int>(top);
+    const int last = static_cast<int>(std::min<int64_t>(window.max.y, top + band_height - 1));
     const Window band_window({window.min.x, y}, {window.max.x, last});
     ImageRgb band(image.width, last - y + 1);
     Imf::FrameBuffer buffer;
@@ -187,8 +212,7 @@ ImageRgb to_display(ImageRgb data, const Window& window, const Window& display, 
   return image;
 }
 
-ImageRgb read_first_picture(std::span<const uint8_t> bytes, const LoadLimits& limits,
-                            const std::string& name) {
+ImageRgb read_first_picture(std::span<const uint8_t> bytes, const std::string& name) {
   MemoryInput stream(bytes, name);
   Imf::MultiPartInputFile file(stream);
   for (int index = 0; index < file.parts(); ++index) {
@@ -196,12 +220,9 @@ ImageRgb read_first_picture(std::span<const uint8_t> bytes, const LoadLimits& li
     const auto color = is_flat(header) ? find_color(header.channels()) : std::nullopt;
     if (!color) continue;
     const Window window = header.dataWindow(), display = header.displayWindow();
-    check_size(window, "dataWindow", limits, name);
-    check_size(display, "displayWindow", limits, name);
     check_block(header, name);
-    if (color->chroma && file.parts() > 1)
-      throw input_error(name, fmt::format("part {}", index),
-                        "luminance and chroma are read from single-part files only");
+    check_display(window, display, name);
+    if (color->chroma) check_luminance_chroma(file, index, name);
     if (color->chroma) return to_display(read_luminance_chroma(stream, window), window, display, name);
     for (const std::string& channel : color->names) {
       const Imf::Channel& found = header.channels()[channel.c_str()];
@@ -218,10 +239,8 @@ ImageRgb read_first_picture(std::span<const uint8_t> bytes, const LoadLimits& li
 ImageRgb decode_exr(std::span<const uint8_t> bytes, const LoadLimits& limits, std::string_view file) {
   const std::string name(file);
   try {
-    // We check a header's claim before pixels are allocated; the library's bound is for its own tables.
-    constexpr int longest_side = 1 << 24;
-    Imf::Header::setMaxImageSize(longest_side, longest_side);
-    return read_first_picture(bytes, limits, name);
+    check_exr_header(bytes, limits, file);
+    return read_first_picture(bytes, name);
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {

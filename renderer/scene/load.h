@@ -17,7 +17,7 @@ struct LoadLimits {
   uint64_t total_pixels = 1ull << 30;      ///< of all images of a scene
   uint64_t triangles = 200'000'000;
   uint64_t buffer_bytes = 8ull << 30;
-  uint32_t nodes = 10'000'000;
+  uint32_t nodes = 1'000'000;
   uint32_t json_depth = 256;
 };
 

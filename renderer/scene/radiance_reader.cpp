@@ -89,12 +89,17 @@ void RadianceReader::read_variable(const std::string& line) {
     const double value = std::strtod(exposure, nullptr);
     if (!(value > 0) || !std::isfinite(value)) fail("header", "EXPOSURE is not a positive number");
     header_.exposure *= value;  // several lines multiply
+    if (!(header_.exposure > 0) || !std::isfinite(header_.exposure))
+      fail("header", "the product of the EXPOSURE lines is no number");
   } else if (const char* correction = value_of("COLORCORR=")) {
     char* next = const_cast<char*>(correction);
     for (int c = 0; c < 3; ++c) {
       const double value = std::strtod(next, &next);
       if (!(value > 0) || !std::isfinite(value)) fail("header", "COLORCORR is not three positive numbers");
-      header_.color_correction[c] *= value;
+      double& product = header_.color_correction[c];
+      product *= value;
+      if (!(product > 0) || !std::isfinite(product))
+        fail("header", "the product of the COLORCORR lines is no number");
     }
   }
 }
@@ -199,7 +204,8 @@ Vec3 RadianceReader::to_radiance(Rgbe p) const {
   if (p.e == 0) return Vec3(0);
   // The middle of the interval each mantissa stands for, as Radiance's own readers take it.
   const double scale = std::ldexp(1.0, p.e - (128 + 8)) / header_.exposure;
-  Vec3d c = Vec3d(p.r + 0.5, p.g + 0.5, p.b + 0.5) * scale / header_.color_correction;
+  const Vec3d brightest(std::numeric_limits<float>::max());
+  Vec3d c = glm::min(Vec3d(p.r + 0.5, p.g + 0.5, p.b + 0.5) * scale / header_.color_correction, brightest);
   if (header_.space == ColorSpace::xyz) {
     // CIE XYZ to linear Rec. 709 primaries, D65 white (IEC 61966-2-1).
     c = {3.2404542 * c.x - 1.5371385 * c.y - 0.4985314 * c.z,
@@ -207,7 +213,7 @@ Vec3 RadianceReader::to_radiance(Rgbe p) const {
          0.0556434 * c.x - 0.2040259 * c.y + 1.0572252 * c.z};
     c = glm::max(c, Vec3d(0));  // out of gamut
   }
-  return Vec3(glm::min(c, Vec3d(std::numeric_limits<float>::max())));
+  return Vec3(glm::min(c, brightest));
 }
 
 ImageRgb RadianceReader::read() {

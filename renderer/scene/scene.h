@@ -12,7 +12,7 @@
 
 namespace halflight {
 
-/// A vertex; 48 bytes, uploaded to the GPU as it is.
+/// A vertex; 60 bytes, uploaded to the GPU as it is.
 struct Vertex {
   Vec3 position;
   Vec3 normal;        ///< unit; made from the faces where the file has none

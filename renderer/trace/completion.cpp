@@ -9,17 +9,18 @@ namespace {
 constexpr int probe_rays = 256;
 constexpr float enclosed_below = 0.2f;  ///< share of the rays that escape from where a room ends
 
+/// Whether something lights the scene, or nothing in it waits for light (unlit surfaces show as they are).
 bool has_any_light(const Scene& scene) {
   const auto lit = [](const PunctualLight& light) { return max_component(light.intensity) > 0; };
   if (std::any_of(scene.lights.begin(), scene.lights.end(), lit)) return true;
   if (scene.environment.present()) return true;
-  std::vector<bool> emits(scene.materials.size());
-  for (size_t i = 0; i < emits.size(); ++i) {
-    const Material& material = scene.materials[i];
-    emits[i] = material.emissive() || material.unlit;
+  bool all_unlit = !scene.triangles.empty();
+  for (const uint32_t index : scene.triangle_material) {
+    const Material& material = scene.materials[index];
+    if (material.emissive() && !material.unlit) return true;
+    all_unlit = all_unlit && material.unlit;
   }
-  return std::any_of(scene.triangle_material.begin(), scene.triangle_material.end(),
-                     [&](uint32_t material) { return emits[material]; });
+  return all_unlit;
 }
 
 /// What a sphere of rays from a point meets: the share that escapes, and the mean distance of those that do

@@ -1,6 +1,7 @@
 #include "trace/light_sampling.h"
 
 #include "core/warp.h"
+#include "lights/emitters.h"
 
 namespace halflight {
 
@@ -44,19 +45,9 @@ IncidentSample EnvironmentSampler::sample(Vec2 u) const {
 EmitterSampler::EmitterSampler(const Scene& scene, bool wanted) : scene_(scene) {
   if (!wanted) return;
   std::vector<float> powers;
-  float strongest = 0;
-  for (const Material& material : scene.materials)
-    strongest = std::max(strongest, luminance(material.emission));
-  if (strongest <= 0) return;
-  const float area_scale = square(std::max(scene.bounds.diagonal(), 1e-30f));
-  for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-    const Material& material = scene.materials[scene.triangle_material[i]];
-    if (!material.emissive() || material.unlit) continue;
-    // Never quite 0: a colour without luminance still arrives.
-    const float radiance = std::max(luminance(material.emission) / strongest, 1e-6f);
-    const float area = 0.5f * glm::length(triangle_cross(scene, i)) / area_scale;
-    triangles_.push_back(i);
-    powers.push_back(radiance * area);
+  for (const EmissiveTriangle& emitter : emissive_triangles(scene)) {
+    triangles_.push_back(emitter.triangle);
+    powers.push_back(emitter.power);
   }
   table_ = DiscreteTable(powers);
 }
@@ -72,7 +63,7 @@ std::optional<IncidentSample> EmitterSampler::sample(Vec3 x, float choose, Vec2 
   const float distance = std::sqrt(distance2);
   const Vec3 wi = offset / distance;
   const float cos_light = -glm::dot(cross, wi) / twice_area;
-  const Vec3 radiance = surface_emission(scene_, point, cos_light > 0 ? 1 : -1);
+  const Vec3 radiance = covered_emission(scene_, point, cos_light > 0 ? 1 : -1);
   if (max_component(radiance) <= 0) return {};
   // Density per area is P / A; per solid angle P / A · r² / |cos θ'|.
   const float area_over_probability = 0.5f * twice_area / draw.probability;

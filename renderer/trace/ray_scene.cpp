@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "core/errors.h"
@@ -66,13 +67,21 @@ void alpha_filter(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
-[[noreturn]] void throw_embree_error(RTCDevice device, const char* what) {
-  const RTCError code = rtcGetDeviceError(device);
+[[noreturn]] void throw_embree_error(RTCError code, const char* what) {
   throw Error(ExitCode::failure,
               fmt::format("ray tracing: {} failed{}", what,
                           code == RTC_ERROR_OUT_OF_MEMORY ? ": out of memory"
                                                           : fmt::format(" (Embree error {})", int(code))));
 }
+
+/// Ends a handle of Embree's, also where the constructor throws.
+struct Release {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+template <class Handle>
+using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
 
 bool count_memory(void* counter, ssize_t bytes, bool) {
   static_cast<std::atomic<int64_t>*>(counter)->fetch_add(bytes, std::memory_order_relaxed);
@@ -83,60 +92,54 @@ bool count_memory(void* counter, ssize_t bytes, bool) {
 
 struct RayScene::Impl {
   explicit Impl(const Scene& scene_in);
-  ~Impl() {
-    if (embree_scene) rtcReleaseScene(embree_scene);
-    if (device) rtcReleaseDevice(device);
-  }
-  void add_geometry(AlphaGeometry& geometry, bool filtered);
+  void add_geometry(AlphaGeometry& geometry, bool is_filtered);
 
   const Scene& scene;
   std::atomic<int64_t> memory{0};
-  RTCDevice device = nullptr;
-  RTCScene embree_scene = nullptr;
+  Owned<RTCDevice> device;
+  Owned<RTCScene> embree_scene;
   // Opaque triangles pay nothing for the filter: they are a geometry of their own.
   AlphaGeometry opaque, filtered;
 };
 
 RayScene::Impl::Impl(const Scene& scene_in)
     : scene(scene_in), opaque{&scene_in, {}}, filtered{&scene_in, {}} {
-  device = rtcNewDevice(nullptr);
-  if (!device) throw_embree_error(nullptr, "starting Embree");
-  rtcSetDeviceMemoryMonitorFunction(device, count_memory, &memory);
-  embree_scene = rtcNewScene(device);
-  rtcSetSceneBuildQuality(embree_scene, RTC_BUILD_QUALITY_MEDIUM);
+  device.reset(rtcNewDevice(nullptr));
+  if (!device) throw_embree_error(rtcGetDeviceError(nullptr), "starting Embree");
+  rtcSetDeviceMemoryMonitorFunction(device.get(), count_memory, &memory);
+  embree_scene.reset(rtcNewScene(device.get()));
+  rtcSetSceneBuildQuality(embree_scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     const bool alpha = scene.materials[scene.triangle_material[i]].alpha_mode != AlphaMode::opaque;
     (alpha ? filtered : opaque).triangles.push_back(i);
   }
   add_geometry(opaque, false);
   add_geometry(filtered, true);
-  rtcCommitScene(embree_scene);
-  if (rtcGetDeviceError(device) != RTC_ERROR_NONE)
-    throw_embree_error(device, "building the acceleration structure");
+  rtcCommitScene(embree_scene.get());
+  const RTCError error = rtcGetDeviceError(device.get());
+  if (error != RTC_ERROR_NONE) throw_embree_error(error, "building the acceleration structure");
 }
 
 void RayScene::Impl::add_geometry(AlphaGeometry& geometry, bool is_filtered) {
-  if (geometry.triangles.empty()) {
-    // The id is taken all the same: geometry 0 is opaque, 1 is filtered.
-    return;
-  }
-  RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  if (geometry.triangles.empty()) return;
+  const Owned<RTCGeometry> mesh(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  if (!mesh) throw_embree_error(rtcGetDeviceError(device.get()), "making a geometry");
   // Embree reads 16 bytes a vertex: the rest of a Vertex behind the position is its padding.
   static_assert(sizeof(Vertex) >= 16 && offsetof(Vertex, position) == 0);
-  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene.vertices.data(), 0,
-                             sizeof(Vertex), scene.vertices.size());
+  rtcSetSharedGeometryBuffer(mesh.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene.vertices.data(),
+                             0, sizeof(Vertex), scene.vertices.size());
   auto* indices = static_cast<UVec3*>(rtcSetNewGeometryBuffer(
-      mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(UVec3), geometry.triangles.size()));
-  if (!indices) throw_embree_error(device, "allocating indices");
+      mesh.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(UVec3), geometry.triangles.size()));
+  if (!indices) throw_embree_error(rtcGetDeviceError(device.get()), "allocating indices");
   for (size_t i = 0; i < geometry.triangles.size(); ++i) indices[i] = scene.triangles[geometry.triangles[i]];
-  rtcSetGeometryUserData(mesh, &geometry);
+  rtcSetGeometryUserData(mesh.get(), &geometry);
   if (is_filtered) {
-    rtcSetGeometryIntersectFilterFunction(mesh, alpha_filter);
-    rtcSetGeometryOccludedFilterFunction(mesh, alpha_filter);
+    rtcSetGeometryIntersectFilterFunction(mesh.get(), alpha_filter);
+    rtcSetGeometryOccludedFilterFunction(mesh.get(), alpha_filter);
   }
-  rtcCommitGeometry(mesh);
-  rtcAttachGeometryByID(embree_scene, mesh, is_filtered ? 1 : 0);
-  rtcReleaseGeometry(mesh);
+  rtcCommitGeometry(mesh.get());
+  // Geometry 0 is opaque, 1 is filtered, whether or not there is the other.
+  rtcAttachGeometryByID(embree_scene.get(), mesh.get(), is_filtered ? 1 : 0);
 }
 
 RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
@@ -167,9 +170,9 @@ bool RayScene::intersect(Vec3 origin, Vec3 direction, float near_distance, float
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
   arguments.context = &context.embree;
-  rtcIntersect1(impl_->embree_scene, &query, &arguments);
+  rtcIntersect1(impl_->embree_scene.get(), &query, &arguments);
 #else
-  rtcIntersect1(impl_->embree_scene, &context.embree, &query);
+  rtcIntersect1(impl_->embree_scene.get(), &context.embree, &query);
 #endif
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   const AlphaGeometry& geometry = query.hit.geomID == 0 ? impl_->opaque : impl_->filtered;
@@ -215,12 +218,12 @@ void RayScene::occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCount
       lanes.tnear[i] = ray.near_distance, lanes.tfar[i] = ray.far_distance, lanes.time[i] = ray.time;
       lanes.mask[i] = ray.mask, lanes.id[i] = ray.id, lanes.flags[i] = ray.flags;
     }
-    rtcOccluded16(active, impl_->embree_scene, &lanes, &arguments);
+    rtcOccluded16(active, impl_->embree_scene.get(), &lanes, &arguments);
     for (size_t i = 0; i < count; ++i) rays[begin + i].far_distance = lanes.tfar[i];
   }
 #else
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcOccluded1M(impl_->embree_scene, &context.embree, reinterpret_cast<RTCRay*>(rays.data()),
+  rtcOccluded1M(impl_->embree_scene.get(), &context.embree, reinterpret_cast<RTCRay*>(rays.data()),
                 static_cast<unsigned>(rays.size()), sizeof(ShadowRay));
 #endif
 }

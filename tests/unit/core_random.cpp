@@ -55,6 +55,26 @@ TEST(RandomStream, NeighbouringPixelsAreIndependent) {
   EXPECT_LT(std::abs(chi_square_deviation(counts, expected)), 4);
 }
 
+TEST(RandomStream, MixesAsPublished) {
+  // First outputs of splitmix64 for seed 0 (Vigna's reference implementation): the finaliser over multiples
+  // of the golden gamma.
+  EXPECT_EQ(mix_bits(0x9e3779b97f4a7c15ull), 0xe220a8397b1dcdafull);
+  EXPECT_EQ(mix_bits(2 * 0x9e3779b97f4a7c15ull), 0x6e789e6aa1b965f4ull);
+  EXPECT_EQ(to_unit_float(0xffffffffu), 0x1.fffffep-1f);
+  EXPECT_EQ(to_unit_float(0), 0);
+}
+
+TEST(RandomStream, PairsAreUniformOnTheSquare) {
+  constexpr int bins = 32, draws = 400000;
+  std::vector<double> counts(bins * bins), expected(bins * bins, static_cast<double>(draws) / (bins * bins));
+  RandomStream random(11, 12, 13);
+  for (int i = 0; i < draws; ++i) {
+    const Vec2 u = random.next2();
+    ++counts[static_cast<size_t>(u.x * bins) * bins + static_cast<size_t>(u.y * bins)];
+  }
+  EXPECT_LT(std::abs(chi_square_deviation(counts, expected)), 4);
+}
+
 TEST(RandomStream, IsAFunctionOfItsKey) {
   RandomStream a(1, 2, 3), b(1, 2, 3), c(1, 3, 2);
   const uint64_t first = a.next_bits();
@@ -149,6 +169,28 @@ TEST(PlaneTable, DensityIsTheOneItDrawsFrom) {
     ASSERT_NEAR(table.pdf(draw.position), draw.pdf, 1e-4f);
   }
   EXPECT_LT(std::abs(chi_square_deviation(counts, expected)), 4);
+}
+
+TEST(PlaneTable, PointsLieInTheCellThatWasDrawn) {
+  // Wide enough for (column + residual) to round up to the next column: 8191 + 0.9999 is 8192 in float.
+  constexpr int columns = 8191, rows = 5;
+  std::vector<float> weights(columns * rows);
+  for (size_t i = 0; i < weights.size(); ++i) weights[i] = i % 3 == 0 ? 0.0f : static_cast<float>(i % 7 + 1);
+  const PlaneTable table(weights, columns, rows);
+  for (uint64_t i = 0; i < 300000; ++i) {
+    const auto draw = table.draw(RandomStream(i, 0, 5).next2());
+    const int x = static_cast<int>(draw.position.x * columns), y = static_cast<int>(draw.position.y * rows);
+    ASSERT_EQ(static_cast<uint32_t>(y * columns + x), draw.cell);
+    ASSERT_FLOAT_EQ(table.pdf(draw.position), draw.pdf);
+  }
+  EXPECT_LT(table.draw(Vec2(0x1.fffffep-1f)).position.x, 1);
+}
+
+TEST(DiscreteTable, ProbabilitiesOfDrawnEntriesAreNeverZero) {
+  const DiscreteTable table(std::vector<float>{1e-30f, 1e30f, 1e-30f});
+  for (const float u : {0.0f, 0x1p-24f, 0.5f, 0x1.fffffep-1f}) EXPECT_GT(table.draw(u).probability, 0) << u;
+  const DiscreteTable tiny(std::vector<float>{1e-38f, 3e-38f});
+  EXPECT_FLOAT_EQ(tiny.draw(0.9f).probability, 0.75f);
 }
 
 TEST(Basis, IsOrthonormalAndRightHanded) {

@@ -39,6 +39,41 @@ TEST(Film, EstimatesTheErrorItHas) {
   EXPECT_NEAR(film.estimated_relmse(), expected, 0.06 * expected);
 }
 
+TEST(Film, EstimatesTheErrorOfUnequalHalves) {
+  // The picture weighs all samples alike: its variance is that of one sample over all of them, however they
+  // are split.
+  constexpr uint32_t pixels = 20000, samples[] = {3, 1};
+  Film film(static_cast<int>(pixels), 1);
+  double variance = 0;
+  for (uint32_t i = 0; i < pixels; ++i) {
+    for (int half = 0; half < 2; ++half) {
+      RandomStream random(i, static_cast<uint64_t>(half), 2);
+      float mean = 0;
+      for (uint32_t s = 0; s < samples[half]; ++s)
+        mean += (0.5f + random.next()) / static_cast<float>(samples[half]);
+      film.add(i, half, Vec3(mean), samples[half]);
+    }
+    variance += film.variance(i).x / pixels;
+  }
+  const double expected = 1.0 / 12 / 4;
+  EXPECT_NEAR(variance, expected, 0.04 * expected);
+  // r² is the noisy picture's own: its expected inverse square is a little above 1.
+  EXPECT_NEAR(film.estimated_relmse(), expected, 0.12 * expected);
+}
+
+TEST(Film, StaysFiniteAtTheEndsOfTheRange) {
+  Film film(2, 1);
+  film.add(0, 0, Vec3(1e30f), 1), film.add(0, 1, Vec3(3e30f), 1);
+  film.add(1, 0, Vec3(1e-30f), 1), film.add(1, 1, Vec3(3e-30f), 1);
+  EXPECT_TRUE(is_finite(film.variance(0)));
+  EXPECT_FLOAT_EQ(film.radiance(1).x, 2e-30f);
+  EXPECT_NEAR(film.estimated_relmse(), 0.125,
+              1e-3);  // a quarter in the first pixel, the second is below the floor
+  Film black(2, 1);
+  black.add(0, 0, Vec3(0), 1), black.add(0, 1, Vec3(0), 1);
+  EXPECT_EQ(black.estimated_relmse(), 0);
+}
+
 TEST(Film, CountsWhatIsNotFiniteAndShowsItBlack) {
   Film film(1, 1);
   film.add(0, 0, Vec3(std::numeric_limits<float>::quiet_NaN()), 2);
@@ -69,6 +104,12 @@ TEST(Film, MergingIsAddingTogether) {
   EXPECT_EQ(one.image().pixels, both.image().pixels);
 }
 
+TEST(Film, PreviewIsThePictureWhereAllIsSampled) {
+  Film film(37, 29);
+  for (uint32_t i = 0; i < 37 * 29; ++i) film.add(i, 0, Vec3(static_cast<float>(i)), 1);
+  EXPECT_EQ(film.preview().pixels, film.image().pixels);
+}
+
 TEST(Film, PreviewFillsFromTheCoarsePixels) {
   Film film(6, 5);
   film.add(0, 0, Vec3(1), 1);  // corner of the first block
@@ -97,12 +138,34 @@ TEST(Metrics, AgreeWithHandComputation) {
   EXPECT_EQ(measure_error(filled(3, 3, Vec3(1)), filled(3, 3, Vec3(0))).relmse, 1);
 }
 
+TEST(Metrics, PixelsThatAreNotFiniteAreEndlesslyWrong) {
+  ImageRgb reference = filled(60, 50, Vec3(1)), image = filled(60, 50, Vec3(1.1f));
+  image.at(7, 7).y = std::numeric_limits<float>::quiet_NaN();
+  const ErrorMetrics metrics = measure_error(image, reference);
+  EXPECT_EQ(metrics.relmse, infinity);
+  EXPECT_EQ(metrics.rmse, infinity);
+  EXPECT_NEAR(metrics.relmse_trimmed, 0.01 / 1.0001, 1e-4);  // one pixel of 3000 is among the three dropped
+  EXPECT_NEAR(metrics.smape, (2999 * (0.1 / 2.1) + 1) / 3000, 1e-6);
+  EXPECT_TRUE(metrics.flip >= 0 && metrics.flip <= 1);
+  EXPECT_EQ(measure_error(reference, image).relmse, infinity);
+}
+
+TEST(Metrics, StayFiniteAtTheEndsOfTheRange) {
+  for (const float scale : {1e-30f, 1e30f}) {
+    const ErrorMetrics metrics = measure_error(filled(4, 4, Vec3(scale)), filled(4, 4, Vec3(2 * scale)));
+    EXPECT_NEAR(metrics.relmse, 0.25 / 1.0001, 1e-4);
+    EXPECT_NEAR(metrics.rmse / scale, 1, 1e-6);
+    EXPECT_NEAR(metrics.smape, 1.0 / 3, 1e-6);
+  }
+}
+
 TEST(Metrics, TrimmingDropsTheWorstThousandth) {
   ImageRgb reference = filled(100, 20, Vec3(1)), image = filled(100, 20, Vec3(1.1f));
   image.at(3, 3) = image.at(50, 10) = Vec3(1000);
+  image.at(7, 19) = Vec3(11);  // the third of 2000: stays
   const ErrorMetrics metrics = measure_error(image, reference);
   EXPECT_GT(metrics.relmse, 100);
-  EXPECT_NEAR(metrics.relmse_trimmed, 0.01 / 1.0001, 1e-4);
+  EXPECT_NEAR(metrics.relmse_trimmed, (1997 * 0.01 + 100) / 1998 / 1.0001, 1e-4);
 }
 
 TEST(Flip, IsZeroForEqualsAndSymmetric) {
@@ -165,6 +228,42 @@ TEST(ToneMaps, CurvesAreMonotoneAndBounded) {
   }
   EXPECT_EQ(find_tone_map("linear").map(Vec3(0.25f)), Vec3(0.25f));
   EXPECT_THROW(find_tone_map("linea"), Error);
+}
+
+TEST(ToneMaps, AnyRadianceHasAColour) {
+  for (const ToneMap& map : tone_maps()) {
+    const Vec3 blinding = map.map(Vec3(1e30f));
+    EXPECT_GT(luminance(blinding), 0.9f) << map.id;
+    EXPECT_LE(max_component(blinding), 1) << map.id;
+    EXPECT_GT(luminance(map.map(Vec3(infinity))), 0.9f) << map.id;
+    EXPECT_LT(luminance(map.map(Vec3(1e-30f))), 0.05f) << map.id;
+    EXPECT_TRUE(is_finite(map.map(Vec3(-1, 2, 0)))) << map.id;
+  }
+}
+
+TEST(ToneMaps, CurvesFollowTheirFormulas) {
+  const Vec3 color(0.5f, 1, 2);
+  const float l = 0.2126f * 0.5f + 0.7152f + 0.0722f * 2;
+  const Vec3 reinhard = find_tone_map("reinhard").map(color);
+  EXPECT_NEAR(reinhard.x, 0.5f / (1 + l), 1e-6f);
+  EXPECT_NEAR(reinhard.y / reinhard.x, 2, 1e-5f);  // hue kept
+  // Narkowicz: (x (2.51 x + 0.03)) / (x (2.43 x + 0.59) + 0.14) at 0.6 times the exposed value.
+  const double x = 0.6;
+  EXPECT_NEAR(find_tone_map("filmic").map(Vec3(1)).x, x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14),
+              1e-6);
+}
+
+TEST(ToneMaps, FalseColourTellsStopsApart) {
+  const ToneMap& map = find_tone_map("falsecolor");
+  // A stop is the same step anywhere on the scale, for any hue of the same luminance.
+  for (int stop = -8; stop < 8; ++stop) {
+    const Vec3 here = map.map(Vec3(0.18f * std::exp2(static_cast<float>(stop)))),
+               next = map.map(Vec3(0.18f * std::exp2(stop + 1.0f)));
+    EXPECT_GT(glm::distance(here, next), 0.08f) << stop;
+  }
+  const Vec3 red(0.18f / 0.2126f, 0, 0);
+  EXPECT_LT(glm::distance(map.map(red), map.map(Vec3(0.18f))), 1e-4f);
+  EXPECT_EQ(map.map(Vec3(1e6f)), map.map(Vec3(0.18f * 256)));
 }
 
 TEST(ToneMaps, SrgbIsItsOwnInverse) {

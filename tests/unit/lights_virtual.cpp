@@ -104,6 +104,18 @@ TEST(Connection, BoundedGeometryNeverExceedsAHemisphere) {
   EXPECT_EQ(patch_solid_angle(1, -0.5f, 1, GeometryTerm::bounded), 0);
 }
 
+TEST(PunctualLight, NextToItTheIrradianceStaysFinite) {
+  const Scene scene;
+  PunctualLight light;
+  light.position = {0, 0, 0};
+  light.intensity = Vec3(1e30f);
+  for (const float d : {0.0f, 1e-30f, 1e-20f, 1e-10f, 1e-3f}) {
+    const LightConnection link = connect_punctual(light, scene, {d, 0, 0});
+    EXPECT_TRUE(is_finite(link.irradiance)) << d;
+    EXPECT_TRUE(is_finite(link.wi)) << d;
+  }
+}
+
 TEST(Connection, APointOnTheLightItselfStaysFinite) {
   const Scene scene;
   VirtualLight light{{1, 2, 3}, 0.5f, {0, -1, 0}, LightKind::emitter, Vec3(5), 0};

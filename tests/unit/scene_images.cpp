@@ -67,6 +67,16 @@ TEST(Radiance, HeaderVariables) {
   EXPECT_EQ(radiance("#?RGBE\n\n" + body).at(0, 0), plain);
 }
 
+TEST(Radiance, TinyExposuresStayFinite) {
+  for (const char* format : {"rgbe", "xyze"}) {
+    const ImageRgb image =
+        radiance(fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_{}\nEXPOSURE=1e-300\n\n-Y 1 +X 1\n", format) +
+                 "\xff\xff\xff\xff");
+    EXPECT_TRUE(is_finite(image.at(0, 0))) << format;  // no difference of infinities either
+    EXPECT_GT(image.at(0, 0).y, 1e38f) << format;
+  }
+}
+
 TEST(Radiance, XyzeBecomesRgb) {
   // D65 white, X = 0.9505 Y, Z = 1.089 Y, is equal parts of the three primaries.
   const ImageRgb image =

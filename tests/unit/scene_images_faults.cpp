@@ -47,6 +47,11 @@ std::vector<Fault> radiance_faults() {
       {"exposure infinite", hdr("EXPOSURE=inf\n", "-Y 1 +X 1", pixels(1)),
        "EXPOSURE is not a positive number"},
       {"exposure tiny", hdr("EXPOSURE=1e-300\n", "-Y 1 +X 1", pixels(1)), ""},
+      {"exposures whose product is 0", hdr("EXPOSURE=1e-200\nEXPOSURE=1e-200\n", "-Y 1 +X 1", pixels(1)),
+       "the product of the EXPOSURE lines is no number"},
+      {"colour corrections whose product is infinite",
+       hdr("COLORCORR=1 1e200 1\nCOLORCORR=1 1e200 1\n", "-Y 1 +X 1", pixels(1)),
+       "the product of the COLORCORR lines is no number"},
       {"two colour corrections", hdr("COLORCORR=1 2\n", "-Y 1 +X 1", pixels(1)), "COLORCORR is not three"},
       {"no sizes", hdr(format, "-Y +X", pixels(1)), "is not of the form"},
       {"same axis twice", hdr(format, "-Y 1 +Y 1", pixels(1)), "is not of the form"},
@@ -60,7 +65,8 @@ std::vector<Fault> radiance_faults() {
       {"flat pixels cut short", hdr(format, "-Y 3 +X 4", pixels(11)), "scan line 2: truncated"},
       {"flat pixels cut inside one", hdr(format, "-Y 1 +X 4", pixels(4).substr(0, 15)),
        "scan line 0: truncated"},
-      {"first pixel is a repeat", hdr(format, "-Y 1 +X 4", "\1\1\1\3"), "a repeat with nothing to repeat"},
+      {"first pixel is a repeat", hdr(format, "-Y 1 +X 4", "\1\1\1\3" + pixels(3)),
+       "a repeat with nothing to repeat"},
       {"repeat past the end", hdr(format, "-Y 1 +X 4", pixels(1) + "\1\1\1\4"),
        "goes past the end of the line"},
       {"repeats shifted away",
@@ -91,6 +97,12 @@ ExrFile with(std::function<void(ExrFile&)> change) {
   return file;
 }
 
+/// A header with an attribute more, of any size it claims.
+std::string attribute(const std::string& name, const std::string& type, const std::string& value,
+                      int32_t size) {
+  return with([&](ExrFile& f) { f.more = name + '\0' + type + '\0' + little(size) + value; }).header();
+}
+
 std::vector<Fault> exr_faults() {
   const auto windows = [](ExrWindow window) {
     return with([&](ExrFile& f) { f.data = f.display = window; }).header() + std::string(64, '\0');
@@ -105,16 +117,17 @@ std::vector<Fault> exr_faults() {
       {"good", good, ""},
       {"values that are not finite",
        with([&](ExrFile& f) { f.pixels[3] = nan, f.pixels[5] = infinity; }).bytes(), ""},
-      {"mark alone", good.substr(0, 4), "OpenEXR: "},
-      {"header cut short", good.substr(0, 100), "OpenEXR: "},
+      {"mark alone", good.substr(0, 4), "header: truncated"},
+      {"header cut short", good.substr(0, 100), "truncated"},
       {"no table of offsets", small_exr().header(), "OpenEXR: "},
       {"pixels cut short", good.substr(0, good.size() - 10), "OpenEXR: "},
       {"offsets that lead nowhere", wrong_table, "OpenEXR: "},
       {"version 3", with([](ExrFile& f) { f.version = 3; }).bytes(), "OpenEXR: "},
-      {"0 wide", windows({5, 0, 4, 0}), "OpenEXR: "},
+      {"0 wide", windows({5, 0, 4, 0}), "dataWindow: 0 x 1 is no picture size"},
       {"40000 x 40000", windows({0, 0, 39999, 39999}),
        "dataWindow: 40000 x 40000 pixels exceed --limit-image-pixels"},
-      {"sizes that wrap", windows({-2147483647, 0, 2147483647, 0}), "OpenEXR: "},
+      {"sizes that wrap", windows({-2147483647, 0, 2147483647, 0}),
+       "dataWindow: 4294967295 x 1 pixels: sides end at"},
       {"a claim the file cannot hold", windows({0, 0, 15999, 15999}), "OpenEXR: "},
       {"display window enormous", with([](ExrFile& f) {
                                     f.display = {0, 0, 99999, 99999};
@@ -148,12 +161,17 @@ std::vector<Fault> exr_faults() {
        "made.exr: "},
       {"tiles of 2^20 squared", with([&](ExrFile& f) { f.version = 0x202, f.more = tiles; }).bytes(),
        "made.exr: "},
-      {"an attribute of 2 GiB",
-       with([](ExrFile& f) { f.more = std::string("a\0string\0\xff\xff\xff\x7f", 13); }).header(),
-       "OpenEXR: "},
-      {"an attribute of negative size",
-       with([](ExrFile& f) { f.more = std::string("a\0string\0\xff\xff\xff\xff", 13); }).header(),
-       "OpenEXR: "},
+      {"an attribute of 2 GiB", attribute("a", "string", "", 0x7fffffff),
+       "a: truncated: needs 2147483647 bytes"},
+      {"an attribute of negative size", attribute("a", "string", "", -1), "a: -1 bytes are no size"},
+      {"a text of 2 GiB among texts", attribute("a", "stringvector", little(0x7fffffff), 4),
+       "a: a text goes past"},
+      {"a preview of 2^60 pixels", attribute("preview", "preview", little(1 << 30) + little(1 << 30), 8),
+       "preview: its size"},
+      {"a name without end", with([](ExrFile& f) { f.more = std::string(400, 'n'); }).header(),
+       "a name without end"},
+      {"a table of 2^31 blocks", attribute("chunkCount", "int", little(0x7fffffff), 4),
+       "chunkCount: 2147483647 blocks do not fit"},
   };
 }
 

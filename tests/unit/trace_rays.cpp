@@ -137,6 +137,71 @@ TEST(Rays, MasksAndBlendsLetTheirShareThrough) {
   }
 }
 
+TEST(Rays, ClosestHitsGoThroughHoles) {
+  Scene scene = floor_scene(10);
+  Material pane = diffuse_material(Vec3(0.5f));
+  pane.alpha_mode = AlphaMode::mask;
+  scene.materials.push_back(pane);
+  add_patch(scene, {-1, 1, 1}, {2, 0, 0}, {0, 0, -2}, 1);
+  for (const float alpha : {0.4f, 0.6f}) {
+    scene.materials[1].base_color.a = alpha;
+    const RayScene rays(scene);
+    RayCounters counters;
+    RayHit hit;
+    ASSERT_TRUE(rays.intersect({0.1f, 3, 0.2f}, {0, -1, 0}, 0, infinity, 0, hit, counters));
+    EXPECT_FLOAT_EQ(hit.distance, alpha < pane.alpha_cutoff ? 3 : 2);
+    EXPECT_EQ(scene.triangle_material[hit.point.triangle], alpha < pane.alpha_cutoff ? 0u : 1u);
+    EXPECT_NEAR(surface_position(scene, hit.point).x, 0.1f, 1e-6f);
+  }
+}
+
+/// Boxes of many sizes and turns.
+Scene cluttered_scene(float scale) {
+  Scene scene = floor_scene(10 * scale);
+  RandomStream random(8, 8, 8);
+  for (int i = 0; i < 300; ++i) {
+    const Vec2 a = random.next2(), b = random.next2(), c = random.next2();
+    const Vec3 corner(8 * a.x - 4, 4 * a.y, 8 * b.x - 4);
+    const Vec3 u = 0.6f * uniform_sphere(c), v = 0.6f * uniform_sphere({b.y, c.x});
+    add_patch(scene, scale * corner, scale * u, scale * v);
+  }
+  return scene;
+}
+
+TEST(Rays, VisibilityDoesNotHangOnTheUnitOfLength) {
+  // Powers of two change no digit: each ray must have the same answer.
+  std::vector<bool> first;
+  for (const float scale : {1.0f, 0x1p-20f, 0x1p20f}) {
+    const Scene scene = cluttered_scene(scale);
+    const RayScene rays(scene);
+    std::vector<ShadowRay> batch;
+    RandomStream random(3, 1, 4);
+    for (int i = 0; i < 20000; ++i) {
+      const auto pick = [&] {
+        const auto triangle =
+            static_cast<uint32_t>(random.next() * static_cast<float>(scene.triangles.size()));
+        return SurfacePoint{triangle, uniform_triangle(random.next2())};
+      };
+      const SurfacePoint a = pick(), b = pick();
+      const Vec3 from = surface_position(scene, a), offset = surface_position(scene, b) - from;
+      const float distance = glm::length(offset);
+      if (!(distance > 0)) continue;
+      batch.push_back(shadow_ray(scene, from, glm::normalize(triangle_cross(scene, a.triangle)),
+                                 offset / distance, distance));
+    }
+    RayCounters counters;
+    rays.occluded(batch, 0, counters);
+    EXPECT_EQ(counters.rejected, 0u);
+    std::vector<bool> blocked;
+    for (const ShadowRay& ray : batch) blocked.push_back(ray.blocked());
+    if (first.empty()) first = blocked;
+    EXPECT_EQ(blocked, first) << scale;
+  }
+  const auto share = static_cast<double>(std::count(first.begin(), first.end(), true)) / first.size();
+  EXPECT_GT(share, 0.1);
+  EXPECT_LT(share, 0.9);
+}
+
 TEST(Rays, ShadowRaysStartAndEndOffTheSurfaces) {
   // Rays between points of the floor and of the table's underside meet neither end, at any scale of the
   // scene.
