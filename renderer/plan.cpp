@@ -47,14 +47,15 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
   const bool direct = selection != LightSelection::indirect;
   const bool indirect = selection != LightSelection::direct;
   const bool continuous = target == Target::continuous;
-  const bool handful = needs.punctual > 0 && needs.punctual <= handful_of_lights && !continuous;
+  const bool handful = needs.punctual > 0 && needs.punctual <= handful_of_lights;
   const std::string unasked = direct ? "only direct light is asked for" : "only indirect light is asked for";
 
   Plan plan;
   plan.show_emission = direct;
   plan.antialiased = continuous;
   plan.direct_punctual = handful && direct && needs.surfaces;
-  plan.shadow_maps = handful && !raster.empty() && needs.surfaces;
+  // A shadow map's edge is not a ray's: what converges to the integral is lit by rays.
+  plan.shadow_maps = handful && !continuous && !raster.empty() && needs.surfaces;
   plan.kinds.environment = needs.environment && direct && needs.surfaces;
   plan.kinds.emitters = needs.emitters && direct && needs.surfaces;
   plan.kinds.punctual = needs.punctual > 0 && direct && needs.surfaces && !handful;

@@ -35,6 +35,8 @@ void check_outputs(const Options& options) {
     throw usage_error(fmt::format("--output: '{}' ends in none of .exr, .hdr and .png", options.output));
   if (options.aovs && extension != ".exr")
     throw usage_error("--aovs: only an .exr holds layers beside the picture");
+  if (!options.json.empty() && options.json == options.output)
+    throw usage_error("--json: names the same file as --output");
   check_writable(options.output);
   check_writable(options.json);
 }
@@ -116,6 +118,8 @@ int run_render(const Options& options) {
   record.load_seconds = opened.seconds;
   record.total_seconds = since_start.seconds();
   record.cpu_seconds = process_cpu_seconds();
+  if (max_component(session.film().mean_radiance()) <= 0)
+    messages.warn("the picture is black: no light reaches what the camera sees");
   if (const auto pixel = session.film().first_nan_pixel()) {
     const auto width = static_cast<uint32_t>(session.film().width());
     messages.warn(fmt::format("{} samples were not finite and count as 0; the first in pixel ({}, {}), seed {}",

@@ -107,7 +107,8 @@ StopReason Sampler::run() {
     const double error = first ? -1 : session_.film().estimated_relmse();
     if (goal_.error && error >= 0 && error <= *goal_.error) return StopReason::error;
 
-    const uint32_t samples = next_round();
+    // Until the first subset has told what a sample costs, a timed picture starts with as few as give both halves one.
+    const uint32_t samples = first && goal_.seconds ? std::min(next_round(), 2u) : next_round();
     if (!goal_.seconds || (!first && cost_.of(samples) < time_left()))
       whole_round(samples);
     else

@@ -270,7 +270,7 @@ void plan_section(const Snapshot& snapshot) {
 
 Changes side_panel(ViewerState& state, const Snapshot& snapshot) {
   const ImGuiViewport* viewport = ImGui::GetMainViewport();
-  const float width = std::min(panel_width * ImGui::GetIO().FontGlobalScale, viewport->WorkSize.x);
+  const float width = side_panel_width();
   ImGui::SetNextWindowPos({viewport->WorkPos.x + viewport->WorkSize.x - width, viewport->WorkPos.y});
   ImGui::SetNextWindowSize({width, viewport->WorkSize.y});
   Changes changes;
@@ -361,6 +361,12 @@ void use_readable_font(float scale) {
 }  // namespace
 
 std::span<const KeyHelp> key_help() { return keys; }
+
+float side_panel_width() {
+  // A small window still shows mostly picture.
+  constexpr float most_of_window = 0.45f;
+  return std::min(panel_width, most_of_window * ImGui::GetMainViewport()->WorkSize.x);
+}
 
 void set_panel_style(float scale) {
   ImGui::StyleColorsDark();

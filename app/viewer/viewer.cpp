@@ -21,7 +21,7 @@ struct ViewArea {
 
 ViewArea view_area(const ViewerState& state) {
   const ImGuiViewport* viewport = ImGui::GetMainViewport();
-  const float panel = state.show_panels ? panel_width * ImGui::GetIO().FontGlobalScale : 0;
+  const float panel = state.show_panels ? side_panel_width() : 0;
   return {{viewport->WorkPos.x, viewport->WorkPos.y},
           {std::max(viewport->WorkSize.x - panel, 16.0f), std::max(viewport->WorkSize.y, 16.0f)}};
 }

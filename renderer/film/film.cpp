@@ -102,6 +102,21 @@ Vec3 Film::variance(uint32_t pixel) const {
   return Vec3(glm::min(p.variance_of_mean(), Vec3d(std::numeric_limits<float>::max())));
 }
 
+/// Mean radiance of the pixels around one, itself left out; of itself where it has no neighbour.
+Vec3d Film::surrounding_mean(int x, int y) const {
+  Vec3d sum(0);
+  int count = 0;
+  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height_ - 1); ++j) {
+    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width_ - 1); ++i) {
+      const Pixel& p = pixels_[static_cast<size_t>(j) * width_ + i];
+      if ((i == x && j == y) || !p.has_both_halves()) continue;
+      sum += p.mean();
+      ++count;
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : pixels_[static_cast<size_t>(y) * width_ + x].mean();
+}
+
 double Film::estimated_relmse() const {
   double picture_mean = 0, sum = 0;
   size_t pairs = 0;
@@ -111,13 +126,18 @@ double Film::estimated_relmse() const {
     picture_mean += (mean.x + mean.y + mean.z) / 3;
     ++pairs;
   }
-  if (pairs == 0) return -1;
+  // A few pixels that are ahead of the rest say nothing of the picture.
+  if (pairs == 0 || 2 * pairs < pixels_.size()) return -1;
   const double floor2 = std::pow(0.01 * picture_mean / static_cast<double>(pairs), 2);
-  for (const Pixel& p : pixels_) {
-    if (!p.has_both_halves()) continue;
-    const Vec3d variance = p.variance_of_mean(), r = p.mean(), scale = r * r + floor2;
-    for (int c = 0; c < 3; ++c)
-      if (scale[c] > 0) sum += variance[c] / scale[c] / 3;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      const Pixel& p = pixels_[static_cast<size_t>(y) * width_ + x];
+      if (!p.has_both_halves()) continue;
+      // Measured against what is around it: a pixel far off would make its own error look small.
+      const Vec3d variance = p.variance_of_mean(), r = surrounding_mean(x, y), scale = r * r + floor2;
+      for (int c = 0; c < 3; ++c)
+        if (scale[c] > 0) sum += variance[c] / scale[c] / 3;
+    }
   }
   return sum / static_cast<double>(pairs);
 }

@@ -55,6 +55,8 @@ class Film {
     Vec3d mean() const;
     Vec3d variance_of_mean() const;
   };
+  Vec3d surrounding_mean(int x, int y) const;
+
   int width_ = 0, height_ = 0;
   std::vector<Pixel> pixels_;
   static constexpr uint32_t no_pixel = 0xffffffffu;

@@ -125,9 +125,19 @@ TEST(SurfacePoints, BothSidesOfAThinWallDoNotSeeEachOther) {
   add_patch(wall, {-1, 0, 1}, {2, 0, 0}, {0, 0, -2});
   add_patch(wall, {-1, -1e-3f, -1}, {2, 0, 0}, {0, 0, 2});
   LightPointSettings settings;
+  wall.materials.push_back(diffuse_material(Vec3(0.1f)));
+  wall.triangle_material[2] = wall.triangle_material[3] = 1;
   settings.count = 1000;
   settings.repulsion_steps = 20;
-  const double together = evenness(spread_surface_points(wall, settings), 8);
+  const std::vector<BouncePoint> both = spread_surface_points(wall, settings);
+  const double together = evenness(both, 8);
+  double above = 0;
+  for (const BouncePoint& point : both) {
+    const bool front = point.normal.y > 0;
+    EXPECT_NEAR(point.albedo.x, front ? 0.5f : 0.1f, 1e-6f) << "a cell holds no part of the other side";
+    if (front) above += point.area;
+  }
+  EXPECT_NEAR(above, 4, 0.02);
   settings.count = 500;
   const double alone = evenness(spread_surface_points(floor_scene(2), settings), 4);
   EXPECT_NEAR(together, alone, 0.03);

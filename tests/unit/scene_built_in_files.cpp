@@ -196,6 +196,7 @@ TEST(GlbWriter, EveryFieldComesBack) {
   std::string slide = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n";
   for (int i = 0; i < 16; ++i) slide += static_cast<char>(128);
   folder.write("again-slide-0.hdr", slide);
+  folder.write("again.hdr", slide);
   const Scene again = read_again(file, folder);
   expect_same_geometry(scene, again);
   expect_same_materials(scene, again);
@@ -204,6 +205,7 @@ TEST(GlbWriter, EveryFieldComesBack) {
   EXPECT_EQ(again.materials[1].exponents.y, 1000);
   EXPECT_EQ(again.materials[2].alpha_cutoff, 0.25f);
   EXPECT_EQ(again.cameras[0].half_height, 3);
+  EXPECT_TRUE(again.environment.present());
   ASSERT_EQ(again.pictures.size(), 1u);
   // A mantissa stands for its interval, whose middle readers take.
   EXPECT_NEAR(again.pictures[0].at(1, 1).x, 0.5f, 0.003f);
