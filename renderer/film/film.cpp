@@ -96,6 +96,10 @@ Vec3d Film::Pixel::variance_of_mean() const {
   return difference * difference * (a * b / ((a + b) * (a + b)));
 }
 
+Vec3d Film::Pixel::lesser_half() const {
+  return glm::min(sum[0] / static_cast<double>(count[0]), sum[1] / static_cast<double>(count[1]));
+}
+
 Vec3 Film::variance(uint32_t pixel) const {
   const Pixel& p = pixels_[pixel];
   if (!p.has_both_halves()) return Vec3(0);
@@ -133,8 +137,10 @@ double Film::estimated_relmse() const {
     for (int x = 0; x < width_; ++x) {
       const Pixel& p = pixels_[static_cast<size_t>(y) * width_ + x];
       if (!p.has_both_halves()) continue;
-      // Measured against what is around it: a pixel far off would make its own error look small.
-      const Vec3d variance = p.variance_of_mean(), r = surrounding_mean(x, y), scale = r * r + floor2;
+      // Measured against what is around it or what both halves agree on: a pixel far off in one of them would make its
+      // own error look small, and a bright detail in the dark would make it look large.
+      const Vec3d variance = p.variance_of_mean(), r = glm::max(surrounding_mean(x, y), p.lesser_half());
+      const Vec3d scale = r * r + floor2;
       for (int c = 0; c < 3; ++c)
         if (scale[c] > 0) sum += variance[c] / scale[c] / 3;
     }

@@ -39,7 +39,8 @@ class Film {
   Vec3 variance(uint32_t pixel) const;
 
   /// relMSE expected of the picture, mean(variance / (r² + (0.01 mean r)²)) over the pixels whose halves both
-  /// have samples; negative where there is none.
+  /// have samples, r being the larger of what surrounds a pixel and its lesser half; negative while fewer than half of
+  /// the pixels have both.
   double estimated_relmse() const;
   uint64_t nan_samples() const { return nan_samples_; }
   /// The first pixel, row by row, that had a sample which was not finite; nothing where there was none.
@@ -54,6 +55,7 @@ class Film {
     bool has_both_halves() const { return count[0] > 0 && count[1] > 0; }
     Vec3d mean() const;
     Vec3d variance_of_mean() const;
+    Vec3d lesser_half() const;  ///< both halves must have samples
   };
   Vec3d surrounding_mean(int x, int y) const;
 

@@ -51,8 +51,13 @@ std::vector<size_t> bright_texels(const Environment& environment, uint32_t count
   constexpr double cells_worth = 2;
   const double threshold = cells_worth * total / count;
   std::vector<size_t> bright;
-  for (size_t i = 0; i < powers.size(); ++i)
-    if (static_cast<double>(powers[i]) > threshold) bright.push_back(i);
+  for (size_t i = 0; i < powers.size(); ++i) {
+    // Texels larger than a cell are resolved by several cells.
+    const int y = static_cast<int>(i / static_cast<size_t>(environment.map.width));
+    if (static_cast<double>(powers[i]) > threshold &&
+        static_cast<double>(texel_solid_angle(environment, y)) < 4 * double_pi / count)
+      bright.push_back(i);
+  }
   std::stable_sort(bright.begin(), bright.end(), [&](size_t a, size_t b) { return powers[a] > powers[b]; });
   bright.resize(std::min<size_t>(bright.size(), count / 2));
   return bright;

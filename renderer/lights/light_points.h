@@ -42,9 +42,9 @@ std::vector<VirtualLight> emitter_points(const Scene&, const LightPointSettings&
 /// L, and Σ Ω_i = 4π. Two errors are traded: cells of an even set (a spherical Fibonacci set, turned at
 /// random) bound the angle by which light is moved, however dim it is; but a texel brighter than two mean
 /// cells would be smeared over its own. So up to half of the points, as many as there are such texels, are
-/// single texels, where that angle is half a texel, and the even set shares out the rest. A cell's direction
-/// is its centre of power. With `repulsion_steps` 0: independent directions by power, for which the sum has
-/// the integral as its mean.
+/// single texels (where they are smaller than a cell), and there that angle is half a texel, and the even set
+/// shares out the rest. A cell's direction is its centre of power. With `repulsion_steps` 0: independent
+/// directions by power, for which the sum has the integral as its mean.
 std::vector<VirtualLight> environment_points(const Environment&, const LightPointSettings&);
 
 /// One light a punctual light of the scene.

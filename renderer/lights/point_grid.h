@@ -31,9 +31,9 @@ class PointGrid {
   };
 
   PointGrid(std::span<const PlacedPoint> points, float cell_size)
-      : inverse_cell_(1 / cell_size), shift_(63 - static_cast<int>(std::bit_width(points.size() | 1))) {
+      : inverse_cell_(1 / cell_size), mask_(std::bit_ceil(2 * points.size() + 1) - 1) {
     // A counting sort by bucket, in the order of the points: the same for any number of threads.
-    first_.assign((size_t{1} << (64 - shift_)) + 1, 0);
+    first_.assign(mask_ + 2, 0);
     std::vector<uint64_t> keys(points.size());
     parallel_for(0, points.size(), 4096, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) keys[i] = key(cell(points[i].position));
@@ -75,10 +75,13 @@ class PointGrid {
     return (static_cast<uint64_t>(c.x) & low_bits) | (static_cast<uint64_t>(c.y) & low_bits) << 21 |
            (static_cast<uint64_t>(c.z) & low_bits) << 42;
   }
-  size_t bucket(uint64_t key) const { return (key * 0x9e3779b97f4a7c15ull) >> shift_; }
+  /// Cells side by side along x share cache lines; y and z are scattered.
+  size_t bucket(uint64_t key) const {
+    return (key + (key >> 21) * 0x9e3779b1u + (key >> 42) * 0x85ebca77u) & mask_;
+  }
 
   float inverse_cell_;
-  int shift_;
+  size_t mask_;
   std::vector<Entry> entries_;  ///< by bucket
   std::vector<uint32_t> first_;
 };
