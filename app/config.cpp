@@ -23,7 +23,7 @@ json read_config(const std::filesystem::path& path) {
     if (!config.is_object()) throw input_error(path.string(), "", "a config file holds one JSON object");
     return config;
   } catch (const json::exception& error) {
-    throw input_error(path.string(), "", fmt::format("not JSON ({})", error.what()));
+    throw input_error(path.string(), "", fmt::format("not JSON ({})", without_identifier(error.what())));
   }
 }
 

@@ -55,6 +55,7 @@ std::string operand_help(Command command) {
   switch (command) {
     case Command::view:
     case Command::render:
+    case Command::compare:
     case Command::info: {
       std::vector<std::string> names;
       for (const BuiltInScene& scene : built_in_scenes()) names.emplace_back(scene.name);

@@ -20,6 +20,8 @@ int run_command(const Options& options) {
       return run_view(options);
     case Command::render:
       return run_render(options);
+    case Command::compare:
+      return run_compare(options);
     case Command::info:
       return run_info(options);
     case Command::error:

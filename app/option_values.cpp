@@ -1,5 +1,6 @@
 #include "option_values.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -75,6 +76,17 @@ std::pair<std::string, std::string> parse_assignment(std::string_view text) {
   if (equals == std::string_view::npos || equals == 0)
     throw usage_error(fmt::format("expects NAME=VALUE, not '{}'", text));
   return {std::string(text.substr(0, equals)), std::string(text.substr(equals + 1))};
+}
+
+std::vector<std::string> parse_list(std::string_view text) {
+  std::vector<std::string> parts;
+  while (true) {
+    const size_t comma = std::min(text.find(','), text.size());
+    if (comma == 0) throw usage_error("expects values with commas between them, none empty");
+    parts.emplace_back(text.substr(0, comma));
+    if (comma == text.size()) return parts;
+    text.remove_prefix(comma + 1);
+  }
 }
 
 size_t parse_choice(std::string_view text, const std::vector<std::string>& names) {

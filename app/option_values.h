@@ -28,6 +28,9 @@ bool parse_switch(std::string_view text);
 /// "NAME=VALUE" in two. Throws Error (exit code 2) when there is no '=' or no name.
 std::pair<std::string, std::string> parse_assignment(std::string_view text);
 
+/// "A,B,C" in its parts, at least one. Throws Error (exit code 2) where a part is empty.
+std::vector<std::string> parse_list(std::string_view text);
+
 /// Index of `text` among `names`. Throws Error (exit code 2) that lists them and suggests the nearest.
 size_t parse_choice(std::string_view text, const std::vector<std::string>& names);
 

@@ -11,16 +11,21 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t bit(Command command) { return 1u << static_cast<uint32_t>(command); }
-constexpr uint32_t of_scenes = bit(Command::view) | bit(Command::render) | bit(Command::info);
+constexpr uint32_t of_one = bit(Command::view) | bit(Command::render) | bit(Command::info);
+constexpr uint32_t of_scenes = of_one | bit(Command::compare);
 constexpr uint32_t of_files = of_scenes | bit(Command::error);
-constexpr uint32_t of_pictures = bit(Command::view) | bit(Command::render);
+constexpr uint32_t of_shown = bit(Command::view) | bit(Command::render);
+constexpr uint32_t of_pictures = of_shown | bit(Command::compare);
+constexpr uint32_t of_outputs = bit(Command::render) | bit(Command::compare);
 constexpr uint32_t of_results = bit(Command::render) | bit(Command::info) | bit(Command::error) |
                                 bit(Command::techniques) | bit(Command::scenes);
 constexpr uint32_t of_all = of_scenes | of_results;
+constexpr uint32_t of_races = bit(Command::compare);
 
-constexpr std::array<CommandInfo, 6> commands{{
+constexpr std::array<CommandInfo, 7> commands{{
     {Command::view, "view", "[SCENE]", "open the window on a scene"},
     {Command::render, "render", "[SCENE] -o OUT", "make one picture, without a window"},
+    {Command::compare, "compare", "[SCENE] -o DIR", "race techniques: error against time, as a report"},
     {Command::info, "info", "[SCENE]", "show what is in a scene, and which stages rendering it takes"},
     {Command::error, "error", "IMAGE REFERENCE", "measure how far a picture is from its reference"},
     {Command::techniques, "techniques", "", "list the sampling techniques"},
@@ -31,6 +36,7 @@ constexpr std::array<std::string_view, 5> backends{"auto", "window", "egl", "osm
 constexpr std::array<std::string_view, 3> light_selections{"all", "direct", "indirect"};
 constexpr std::array<std::string_view, 2> targets{"discrete", "continuous"};
 constexpr std::array<std::string_view, 4> supports{"discrete", "continuous", "both", "own"};
+constexpr std::array<std::string_view, 3> equals{"time", "samples", "rays"};
 constexpr std::array<std::string_view, 5> metrics{"relmse", "relmse-trimmed", "rmse", "smape", "flip"};
 
 template <class Names>
@@ -41,6 +47,12 @@ std::vector<std::string> strings(const Names& names) {
 std::vector<std::string> technique_ids() {
   std::vector<std::string> ids;
   for (const TechniqueInfo& info : techniques()) ids.emplace_back(info.id);
+  return ids;
+}
+
+std::vector<std::string> technique_ids_or_all() {
+  std::vector<std::string> ids = technique_ids();
+  ids.emplace_back("all");
   return ids;
 }
 
@@ -82,6 +94,17 @@ void set_setting_of(Options& o, const std::string& value) {
 
 void set_technique(Options& o, const std::string& value) { o.render.technique = find_technique(value).id; }
 
+void set_techniques(Options& o, const std::string& value) {
+  const std::vector<std::string> valid = technique_ids_or_all();
+  o.techniques.clear();
+  for (const std::string& name : parse_list(value)) o.techniques.push_back(valid[parse_choice(name, valid)]);
+}
+
+void set_budgets(Options& o, const std::string& value) {
+  o.budgets.clear();
+  for (const std::string& word : parse_list(value)) o.budgets.push_back(parse_number(word, 1e-3, 1e9));
+}
+
 void set_size(Options& o, const std::string& value) {
   std::tie(o.render.width, o.render.height) = parse_size(value);
   o.size_given = true;
@@ -104,7 +127,7 @@ void set_limit(Options& o, const std::string& value) {
   o.load.limits.*field = static_cast<Field>(parse_amount(value, 1, std::numeric_limits<Field>::max()));
 }
 
-constexpr std::string_view scene_group = "Scene", picture_group = "Picture", sampling_group = "Sampling",
+constexpr std::string_view scene_group = "Scene", picture_group = "Picture", sampling_group = "Sampling", race_group = "Race",
                            output_group = "Output", machine_group = "Machine",
                            limits_group = "Limits on what files may ask for", program_group = "Program";
 
@@ -136,8 +159,8 @@ const OptionInfo table[] = {
     {"strict", "", "", "", scene_group, "", "a missing or damaged texture is an error instead of a warning",
      of_scenes, set_switch<&Options::strict>},
 
-    {"output", "o", "FILE", "", picture_group, "",
-     "the picture: .exr and .hdr hold radiance, .png what a screen shows", bit(Command::render),
+    {"output", "o", "OUT", "", picture_group, "",
+     "the picture: .exr and .hdr hold radiance, .png what a screen shows; compare: the report's folder", of_outputs,
      set_text<&Options::output>, false, true},
     {"size", "", "WxH", "640x480; view: the window's", picture_group, "Size", "width and height in pixels",
      of_scenes, set_size},
@@ -158,7 +181,7 @@ const OptionInfo table[] = {
      bit(Command::render), set_switch<&Options::aovs>},
 
     {"technique", "", "ID", "bidirectional", sampling_group, "Technique",
-     "how light is sampled; `halflight techniques` lists them", of_scenes, set_technique, false, false,
+     "how light is sampled; `halflight techniques` lists them", of_one, set_technique, false, false,
      technique_ids},
     {"target", "", "KIND", "the technique's own", sampling_group, "Target",
      "discrete (one fixed set of virtual lights) or continuous (the integral, antialiased)", of_scenes,
@@ -167,7 +190,7 @@ const OptionInfo table[] = {
      },
      false, false, choices_of<targets>},
     {"samples", "", "N", "32; view: 4096", sampling_group, "Samples",
-     "stop at N samples a pixel, light samples and BRDF rays together", of_pictures,
+     "stop at N samples a pixel, light samples and BRDF rays together", of_shown,
      [](Options& o, const std::string& v) {
        o.samples = static_cast<uint32_t>(parse_integer(v, 1, 1'000'000'000));
      }},
@@ -182,7 +205,7 @@ const OptionInfo table[] = {
      [](Options& o, const std::string& v) {
        o.render.seed = parse_integer(v, 0, std::numeric_limits<uint64_t>::max());
      }},
-    {"virtual-lights", "", "N", "", sampling_group, "Virtual lights", "size of the light set", of_scenes,
+    {"virtual-lights", "", "N", "", sampling_group, "Virtual lights", "points placed for each kind of light", of_scenes,
      set_setting_of<lights_count>, false, false, nullptr, lights_count},
     {"cut-error", "", "X", "", sampling_group, "Cut error",
      "relative error that a cluster of the illumination cut may keep", of_scenes, set_setting_of<cut_error>,
@@ -193,6 +216,19 @@ const OptionInfo table[] = {
     {"set", "", "KEY=VALUE", "", sampling_group, "",
      "any setting of the lights, the cut or a technique; `halflight techniques --settings` lists them",
      of_scenes, set_setting, true, false, setting_keys},
+
+    {"techniques", "", "A,B,…", "all", race_group, "", "who races; `halflight techniques` lists them", of_races,
+     set_techniques, false, false, technique_ids_or_all},
+    {"equal", "", "WHAT", "time", race_group, "", "what each of them gets as much of: {choices}", of_races,
+     [](Options& o, const std::string& v) { o.equal = static_cast<Equal>(parse_choice(v, strings(equals))); }, false, false,
+     choices_of<equals>},
+    {"budgets", "", "X,Y,…", "0.5,1,2,4,8", race_group, "",
+     "where errors are taken: seconds, samples a pixel or rays a pixel, as --equal says", of_races, set_budgets},
+    {"seeds", "", "N", "5", race_group, "", "runs of each technique, from --seed on; five or more give usable intervals",
+     of_races, [](Options& o, const std::string& v) { o.seeds = static_cast<uint32_t>(parse_integer(v, 1, 10000)); }},
+    {"reference", "", "FILE", "", race_group, "",
+     "measure against this picture; else discrete: brute force, kept in a cache, continuous: a long run", of_races,
+     set_text<&Options::reference>, false, true},
 
     {"json", "", "FILE|-", "", output_group, "", "write the results as JSON, - to standard output",
      of_results, set_text<&Options::json>, false, true},

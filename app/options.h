@@ -11,13 +11,14 @@
 #include <utility>
 #include <vector>
 
+#include "report/race.h"
 #include "scene/load.h"
 #include "session.h"
 
 namespace halflight {
 
 /// What the program can be asked to do. An option's row says which commands take it.
-enum class Command : uint32_t { view, render, info, error, techniques, scenes };
+enum class Command : uint32_t { view, render, compare, info, error, techniques, scenes };
 
 /// A command's name on the command line, its operands and one line of help.
 struct CommandInfo {
@@ -36,7 +37,7 @@ struct Options {
   // Operands.
   std::string scene = "bedroom";  ///< a file or a built-in name
   bool scene_given = false;       ///< else a view may name another one
-  std::string image, reference;   ///< of `error`
+  std::string image, reference;   ///< of `error`; compare: a reference from elsewhere
 
   // Scene.
   std::optional<std::string> environment;
@@ -53,6 +54,12 @@ struct Options {
   std::optional<double> seconds;
   std::optional<double> until_error;  ///< estimated relMSE
   int threads = 0;                    ///< 0: all cores
+
+  // Races.
+  std::vector<std::string> techniques{"all"};
+  std::vector<double> budgets{0.5, 1, 2, 4, 8};  ///< seconds, samples a pixel or rays a pixel
+  Equal equal = Equal::time;
+  uint32_t seeds = 5;
 
   // Display: PNG and window only.
   std::optional<float> ev;

@@ -85,28 +85,36 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
         : plan.direct_punctual ? count + (plan.shadow_maps ? " by shadow maps" : ", a ray each")
                                : "punctual lights are members of S");
 
+  const bool light_set = uses_light_set(technique, target);
+  const std::string without_set = fmt::format(
+      "{} {}needs no S", technique.id,
+      technique.target == TargetSupport::both ? "follows rays in the continuous target and " : "");
   const auto kind = [&](const char* name, bool runs, bool present, const char* what, bool asked) {
-    stage(name, runs,
-          !present          ? std::string("the scene has no ") + what
-          : !needs.surfaces ? "nothing here reflects light"
-          : !asked          ? unasked
-          : runs            ? std::string("for the scene's ") + what
-                            : "found outside S");
+    stage(name, runs && light_set,
+          !present             ? std::string("the scene has no ") + what
+          : !needs.surfaces    ? "nothing here reflects light"
+          : !asked             ? unasked
+          : runs && !light_set ? without_set
+          : runs               ? std::string("for the scene's ") + what
+                               : "found outside S");
   };
   kind("environment points", plan.kinds.environment, needs.environment, "environment", direct);
   kind("emitter points", plan.kinds.emitters, needs.emitters, "emissive surfaces", direct);
   kind("punctual points", plan.kinds.punctual, needs.punctual > 0, "punctual lights", direct);
   kind("surface points", plan.kinds.surfaces, needs.lit() && needs.surfaces, "lit surfaces", indirect);
 
-  const bool any =
-      plan.kinds.environment || plan.kinds.emitters || plan.kinds.punctual || plan.kinds.surfaces;
-  stage("light tree and cut", any, any ? "S has members" : "S is empty");
-  const bool counts = technique.id == "bidirectional" && any && needs.specular;
+  plan.light_set = light_set && plan.kinds.any();
+  stage("light tree and cut", plan.light_set,
+        !plan.kinds.any() ? "S is empty"
+        : light_set       ? "S has members"
+                          : without_set);
+  const bool counts = technique.counts_brdf_rays && plan.light_set && needs.specular;
   stage("brdf rays", counts,
-        !any                              ? "S is empty"
-        : !needs.specular                 ? "no material has a specular lobe"
-        : technique.id != "bidirectional" ? fmt::format("{} does not count BRDF rays", technique.id)
-                                          : "specular lobes are counted over the cut");
+        !plan.kinds.any()             ? "S is empty"
+        : !light_set                  ? without_set
+        : !needs.specular             ? "no material has a specular lobe"
+        : !technique.counts_brdf_rays ? fmt::format("{} does not count BRDF rays", technique.id)
+                                      : "specular lobes are counted over the cut");
   return plan;
 }
 

@@ -35,7 +35,8 @@ inline constexpr size_t handful_of_lights = 8;
 
 struct Plan {
   std::vector<PlanStage> stages;
-  LightKinds kinds;              ///< what S holds
+  LightKinds kinds;              ///< what the technique finds: S holds these, or rays do
+  bool light_set = false;        ///< S, its tree and the cut are made
   bool show_emission = true;     ///< L_e is in the picture
   bool direct_punctual = false;  ///< D_punctual is found for each pixel outside S
   bool shadow_maps = false;      ///< punctual light by shadow maps; otherwise by rays

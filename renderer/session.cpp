@@ -1,6 +1,8 @@
 #include "session.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/random.h"
@@ -55,6 +57,7 @@ struct Session::Impl {
   void replan();
   void prepare();
   void prepare_lights();
+  void leave_lights_out();
   void prepare_gbuffer();
   std::vector<Vec3> irradiance(const std::vector<BouncePoint>& points, uint64_t seed);
   FrameView view() const;
@@ -76,8 +79,9 @@ struct Session::Impl {
   Film film;
   SessionStats stats;
   Stale stale;
-  uint32_t round = 0;           ///< of this film; each has its own draws
-  bool frame_is_drawn = false;  ///< continuous target: the current round's S and pixel grid are in place
+  uint32_t round = 0;            ///< of this film; each has its own draws
+  bool lights_are_made = false;  ///< `lights` holds S
+  bool frame_is_drawn = false;   ///< continuous target: the current round's S and pixel grid are in place
 };
 
 Session::Session(Scene scene, const RenderSettings& settings, Messages& messages) {
@@ -159,6 +163,7 @@ std::vector<Vec3> Session::Impl::irradiance(const std::vector<BouncePoint>& poin
 }
 
 void Session::Impl::prepare_lights() {
+  if (!plan.light_set) return leave_lights_out();
   const bool redraw = plan.antialiased && !frame_is_drawn;
   if (!stale.points && !stale.lights && !redraw) return;
   Stopwatch watch;
@@ -173,10 +178,18 @@ void Session::Impl::prepare_lights() {
   else
     lights.relight(scene, settings.values, light_points);
   stale.points = stale.lights = false;
-  stale.technique = true;
+  stale.technique = lights_are_made = true;
   stats.light_count = static_cast<uint32_t>(lights.tree().lights.size());
   stats.cut_size = lights.cut().size;
   stats.seconds.lights += watch.seconds();
+}
+
+void Session::Impl::leave_lights_out() {
+  if (lights_are_made) lights = LightStage();
+  lights_are_made = false;
+  stale.technique |= stale.points || stale.lights;
+  stale.points = stale.lights = false;
+  stats.light_count = stats.cut_size = 0;
 }
 
 void Session::Impl::prepare_gbuffer() {
@@ -221,7 +234,11 @@ void Session::Impl::prepare() {
   }
   frame_is_drawn = true;
   if (!technique) technique = find_technique(settings.technique).make();
-  if (stale.technique) technique->prepare(view());
+  if (stale.technique) {
+    Stopwatch watch;
+    technique->prepare(view());
+    stats.seconds.distribution += watch.seconds();
+  }
   stale.technique = false;
 }
 
@@ -235,13 +252,14 @@ FrameView Session::Impl::view() const {
   frame.settings = &settings.values;
   frame.base = &base;
   frame.target = target();
+  frame.kinds = plan.kinds;
   frame.seed = settings.seed;
   frame.alpha_seed = plan.antialiased ? round + 1 : 0;
   return frame;
 }
 
 uint32_t Session::round_samples(uint32_t total) const {
-  constexpr uint32_t rounds_for_edges = 8, most_in_a_round = 64;
+  constexpr uint32_t rounds_for_edges = 8, most_in_a_round = 256;
   const uint32_t wanted = impl_->plan.antialiased ? (total + rounds_for_edges - 1) / rounds_for_edges : total;
   return std::clamp(wanted, 1u, most_in_a_round);
 }
@@ -282,6 +300,13 @@ void Session::restart() {
   impl_->stats.cut_size = before.cut_size;
 }
 
+void Session::start_over() {
+  Impl& s = *impl_;
+  s.technique.reset();
+  s.stale.points = s.stale.lights = s.stale.shadows = s.stale.gbuffer = s.stale.technique = true;
+  restart();
+}
+
 void Session::set_camera(const Camera& camera) {
   impl_->camera = camera;
   impl_->stale.gbuffer = true;
@@ -304,7 +329,8 @@ void Session::set_settings(const RenderSettings& wanted) {
   s.replan();
   s.stale.gbuffer |= plan.direct_punctual != s.plan.direct_punctual ||
                      plan.shadow_maps != s.plan.shadow_maps || plan.antialiased != s.plan.antialiased;
-  s.stale.points |= !(plan.kinds == s.plan.kinds) || plan.antialiased != s.plan.antialiased;
+  s.stale.points |= !(plan.kinds == s.plan.kinds) || plan.light_set != s.plan.light_set ||
+                    plan.antialiased != s.plan.antialiased;
   restart();
 }
 

@@ -80,6 +80,9 @@ class Session {
   const GBuffer& gbuffer() const;
   const SessionStats& stats() const;
   void restart();  ///< clears the film
+  /// As a new session of the same scene: the film is cleared, and the next pass makes S, tree, cut, shadow maps, G-buffer
+  /// and technique again. Only Embree's tree and what OpenGL holds of the scene stay.
+  void start_over();
 
   /// The frame as techniques see it, for tests and benchmarks; prepares it if needed.
   FrameView frame();

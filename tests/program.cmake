@@ -1,7 +1,10 @@
 # Tests of program: its options, then the shipped binary as its users' scripts see it, then its pictures.
 halflight_unit_test(app_options halflight_app)
+halflight_unit_test(app_report_statistics halflight_report)
+halflight_unit_test(app_report_race halflight_report)
 
-add_executable(test_program unit/app_program.cpp)
+add_executable(test_program unit/app_program.cpp unit/app_compare.cpp)
+target_include_directories(test_program PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 add_dependencies(test_program halflight)
 target_link_libraries(test_program PRIVATE halflight_scene nlohmann_json::nlohmann_json GTest::gtest GTest::gtest_main)
 target_compile_definitions(test_program PRIVATE
@@ -67,3 +70,4 @@ foreach(index RANGE ${last_view})
     halflight_picture_test(view-${view} --view ${CMAKE_CURRENT_SOURCE_DIR}/views.json\#${view} --samples 16 LIT 60 EV ${ev} DISTANCE 0.06)
   endif()
 endforeach()
+halflight_unit_test(session_unbiased halflight_session)

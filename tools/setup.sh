@@ -6,9 +6,10 @@ build_packages=(
   libembree-dev libtbb-dev libglfw3-dev libimgui-dev
   libgl-dev libegl-dev libegl-mesa0 libgl1-mesa-dri libopengl-dev libosmesa6
   nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev libwebp-dev
-  fonts-dejavu-core libopenexr-dev libstb-dev libglm-dev libhwy-dev libfmt-dev libcli11-dev
+  fonts-dejavu-core libopenexr-dev libstb-dev libglm-dev libfmt-dev libcli11-dev
+  gnuplot-nox
 )
-test_packages=(libtinygltf-dev libgtest-dev libbenchmark-dev xvfb xauth xdotool imagemagick)
+test_packages=(libtinygltf-dev libgtest-dev xvfb xauth xdotool imagemagick)
 
 say() { printf '%s\n' "$*" >&2; }
 

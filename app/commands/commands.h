@@ -8,6 +8,7 @@ namespace halflight {
 
 int run_view(const Options&);
 int run_render(const Options&);
+int run_compare(const Options&);
 int run_info(const Options&);
 int run_error(const Options&);
 int run_techniques(const Options&);

@@ -108,10 +108,12 @@ int run_render(const Options& options) {
   progress.hide();
   warnings.print_new(messages);
 
-  // Samples, until the goal or Ctrl-C.
-  interruption.keep_what_there_is();
+  // Samples, until the goal or Ctrl-C; before the lights stand there is nothing to keep.
   const SamplingGoal goal = goal_of(options);
-  progress.show("lights and first samples");
+  progress.show("lights");
+  session.frame();
+  interruption.keep_what_there_is();
+  progress.show("first samples");
   RenderRecord record{&options, &session, &messages.warnings};
   record.stopped_by = sample_until(session, goal, clock, interruption.token(),
                                    [&] { progress.show(progress_text(session, goal)); });

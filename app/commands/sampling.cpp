@@ -8,8 +8,10 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t stride = 4, subsets = stride * stride;
-constexpr uint32_t first_round = 8;      ///< samples a pixel, where no total says how to share them out
-constexpr double most_for_balance = 16;  ///< samples a round takes on to be worth its distributions
+constexpr uint32_t first_round = 8;        ///< samples a pixel, where no total says how to share them out
+constexpr double longest_whole_round = 1;  ///< seconds; longer rounds go by subsets, to show how they get on
+constexpr uint32_t most_unmeasured = 64;    ///< samples of a whole round before its cost is known
+constexpr double most_for_balance = 16;    ///< samples a round takes on to be worth its distributions
 
 /// Measured seconds of a round: its frame (S and pixel grid redrawn, continuous target only), the
 /// distributions of its pixels, and each sample a pixel.
@@ -24,8 +26,8 @@ struct RoundCost {
 class Sampler {
  public:
   Sampler(Session& session, const SamplingGoal& goal, const Stopwatch& clock, std::stop_token stop,
-          const std::function<void()>& after_round)
-      : session_(session), goal_(goal), clock_(clock), stop_(std::move(stop)), after_round_(after_round) {}
+          const std::function<void()>& after_pass)
+      : session_(session), goal_(goal), clock_(clock), stop_(std::move(stop)), after_pass_(after_pass) {}
 
   StopReason run();
 
@@ -41,7 +43,7 @@ class Sampler {
   SamplingGoal goal_;
   const Stopwatch& clock_;
   std::stop_token stop_;
-  const std::function<void()>& after_round_;
+  const std::function<void()>& after_pass_;
   uint32_t done_ = 0;
   RoundCost cost_;
 };
@@ -91,6 +93,7 @@ void Sampler::round_in_subsets(uint32_t samples, bool every_pixel) {
     }
     timed_pass(samples, stride, offset);
     most = std::max(most, samples);
+    if (after_pass_) after_pass_();
   }
   done_ += most;
 }
@@ -102,18 +105,23 @@ bool Sampler::time_is_up() const {
 StopReason Sampler::run() {
   for (bool first = true;; first = false) {
     if (stop_.stop_requested()) return StopReason::interrupted;
+    if (!first && find_technique(session_.settings().technique).exact) return StopReason::samples;
     if (goal_.samples && done_ >= *goal_.samples) return StopReason::samples;
     if (!first && goal_.seconds && time_is_up()) return StopReason::time;
     const double error = first ? -1 : session_.film().estimated_relmse();
     if (goal_.error && error >= 0 && error <= *goal_.error) return StopReason::error;
 
-    // Until the first subset has told what a sample costs, a timed picture starts with as few as give both halves one.
+    // Until the first subset has told what a sample costs, a timed picture starts with as few as give both
+    // halves one.
     const uint32_t samples = first && goal_.seconds ? std::min(next_round(), 2u) : next_round();
-    if (!goal_.seconds || (!first && cost_.of(samples) < time_left()))
+    const bool may_be_long = cost_.known() ? cost_.of(samples) > longest_whole_round : samples > most_unmeasured;
+    const bool fits = !goal_.seconds || (!first && cost_.of(samples) < time_left());
+    if (fits && !may_be_long) {
       whole_round(samples);
-    else
-      round_in_subsets(samples, first);
-    if (after_round_) after_round_();
+      if (after_pass_) after_pass_();
+    } else {
+      round_in_subsets(samples, first || fits);
+    }
   }
 }
 
@@ -133,8 +141,8 @@ std::string_view stop_reason_name(StopReason reason) {
 }
 
 StopReason sample_until(Session& session, const SamplingGoal& goal, const Stopwatch& clock,
-                        std::stop_token stop, const std::function<void()>& after_round) {
-  return Sampler(session, goal, clock, std::move(stop), after_round).run();
+                        std::stop_token stop, const std::function<void()>& after_pass) {
+  return Sampler(session, goal, clock, std::move(stop), after_pass).run();
 }
 
 }  // namespace halflight

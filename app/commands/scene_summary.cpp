@@ -138,7 +138,7 @@ std::string scene_text(const Scene& scene) {
       {"Materials", materials_text(scene, census)},
       {"Textures", scene.textures.empty()
                        ? "none"
-                       : fmt::format("{} of {}, {:.3g} Mpixel", grouped(scene.textures.size()),
+                       : fmt::format("{} from {}, {:.3g} Mpixel", grouped(scene.textures.size()),
                                      counted(scene.images.size(), "image", "images"),
                                      static_cast<double>(census.pixels) / 1e6)},
       {"Environment", environment_text(scene.environment)},

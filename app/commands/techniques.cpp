@@ -38,7 +38,7 @@ std::string technique_lines() {
   for (const TechniqueInfo& info : techniques())
     rows.push_back({std::string(info.id), std::string(info.title),
                     std::string(target_support_name(info.target)), std::string(bias_name(info.bias)),
-                    std::string(info.source)});
+                    std::string(info.source), std::string(info.note)});
   return text_table(rows);
 }
 
@@ -60,6 +60,7 @@ Json techniques_json() {
                     {"target", target_support_name(info.target)},
                     {"bias", bias_name(info.bias)},
                     {"source", info.source},
+                    {"note", info.note},
                     {"settings", keys}});
   }
   Json settings = Json::array();

@@ -40,6 +40,11 @@ size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+std::string_view without_identifier(std::string_view what) {
+  const size_t end = what.find("] ");
+  return what.starts_with('[') && end != std::string_view::npos ? what.substr(end + 2) : what;
+}
+
 void Messages::placeholder(std::string_view file, std::string_view place, std::string_view reason) {
   const Error error = input_error(file, place, reason);
   if (strict) throw error;

@@ -40,6 +40,9 @@ Error usage_error(std::string_view message);
 /// Error for an unknown name: lists the valid ones and suggests the nearest (exit code 2).
 Error unknown_name(std::string_view what, std::string_view name, const std::vector<std::string>& valid);
 
+/// What a JSON library's exception says, without its identifier in brackets ("[json.exception.…] ").
+std::string_view without_identifier(std::string_view what);
+
 /// Edit distance with insertions, deletions and substitutions at cost one.
 size_t edit_distance(std::string_view a, std::string_view b);
 

@@ -45,4 +45,23 @@ HALFLIGHT_INLINE float exp_negative(float x) {
   return x > -87.0f ? p * power : 0.0f;
 }
 
+/// ln(1 − x) for 0 ≤ x < 1 with a relative error below 3e-7, however small x is; x ≥ 1 counts as the number
+/// before it.
+HALFLIGHT_INLINE float log_of_complement(float x) {
+  const float below = x < 0x1.fffffep-1f ? x : 0x1.fffffep-1f;
+  const float y = 1.0f - below;
+  // y = m 2^e with m in [√½, √2); where e is 0, m − 1 is −x with all its digits.
+  const int32_t bits = std::bit_cast<int32_t>(y), e = (bits - 0x3f3504f3) >> 23;
+  const float m = std::bit_cast<float>(bits - (e << 23));
+  const float f = e == 0 ? -below : m - 1.0f;
+  // ln m = 2 artanh(f/(2 + f)).
+  const float s = f / (2.0f + f), s2 = s * s;
+  float p = 2.0f / 11;
+  p = p * s2 + 2.0f / 9;
+  p = p * s2 + 2.0f / 7;
+  p = p * s2 + 2.0f / 5;
+  p = p * s2 + 2.0f / 3;
+  return s * (p * s2 + 2.0f) + static_cast<float>(e) * 0.693147181f;
+}
+
 }  // namespace halflight

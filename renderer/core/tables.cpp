@@ -1,5 +1,6 @@
 #include "core/tables.h"
 
+#include <bit>
 #include <limits>
 
 #include "core/errors.h"
@@ -18,6 +19,9 @@ float place_in_cell(uint32_t index, float residual, int count) {
   return place;
 }
 
+// Below, a binary search touches no more memory than a guide would.
+constexpr size_t least_guided = 16;
+
 }  // namespace
 
 DiscreteTable::DiscreteTable(std::span<const float> weights) : prefix_(weights.size() + 1, 0.0) {
@@ -26,12 +30,28 @@ DiscreteTable::DiscreteTable(std::span<const float> weights) : prefix_(weights.s
     prefix_[i + 1] = prefix_[i] + weights[i];
   }
   total_ = prefix_.back();
+  if (weights.size() < least_guided || empty()) return;
+  const size_t shares = std::bit_ceil(weights.size());
+  guide_.reserve(shares + 1);
+  size_t entry = 0;
+  for (size_t i = 0; i < shares; ++i) {
+    const double begin = static_cast<double>(i) / static_cast<double>(shares) * total_;
+    while (entry + 1 < weights.size() && prefix_[entry + 1] <= begin) ++entry;
+    guide_.push_back(static_cast<uint32_t>(entry));
+  }
+  guide_.push_back(static_cast<uint32_t>(weights.size() - 1));
 }
 
 DiscreteTable::Draw DiscreteTable::draw(float u) const {
   const double target = static_cast<double>(u) * total_;
   // First entry whose upper prefix exceeds the target: never one of zero width.
-  auto upper = std::upper_bound(prefix_.begin() + 1, prefix_.end(), target);
+  size_t first = 0, last = size();
+  if (!guide_.empty()) {
+    const auto share = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(guide_.size() - 1));
+    first = guide_[share], last = guide_[share + 1] + 1;
+  }
+  auto upper = std::upper_bound(prefix_.begin() + 1 + static_cast<ptrdiff_t>(first),
+                                prefix_.begin() + 1 + static_cast<ptrdiff_t>(last), target);
   if (upper == prefix_.end()) upper = std::lower_bound(prefix_.begin() + 1, prefix_.end(), total_);
   const size_t index = static_cast<size_t>(upper - prefix_.begin()) - 1;
   const double width = prefix_[index + 1] - prefix_[index];

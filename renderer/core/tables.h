@@ -32,6 +32,7 @@ class DiscreteTable {
 
  private:
   std::vector<double> prefix_;
+  std::vector<uint32_t> guide_;  ///< the entry in which each of 2ᵏ equal shares begins (Chen & Asau 1974)
   double total_ = 0;
 };
 

@@ -27,7 +27,7 @@ double trimmed_mean(std::vector<double> values) {
 
 }  // namespace
 
-ErrorMetrics measure_error(const ImageRgb& image, const ImageRgb& reference, float exposure_ev) {
+ErrorMetrics measure_radiance_error(const ImageRgb& image, const ImageRgb& reference) {
   HALFLIGHT_CHECK(image.width == reference.width && image.height == reference.height);
   const size_t count = image.pixels.size();
   double reference_mean = 0;
@@ -58,6 +58,12 @@ ErrorMetrics measure_error(const ImageRgb& image, const ImageRgb& reference, flo
   metrics.relmse_trimmed = trimmed_mean(relative);
   metrics.rmse = count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0;
   metrics.smape = count > 0 ? symmetric / static_cast<double>(count) : 0;
+  return metrics;
+}
+
+ErrorMetrics measure_error(const ImageRgb& image, const ImageRgb& reference, float exposure_ev) {
+  ErrorMetrics metrics = measure_radiance_error(image, reference);
+  const size_t count = image.pixels.size();
   const std::vector<float> flip = flip_map(image, reference, exposure_ev);
   metrics.flip = count > 0 ? std::accumulate(flip.begin(), flip.end(), 0.0) / static_cast<double>(count) : 0;
   return metrics;

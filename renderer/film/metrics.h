@@ -21,6 +21,9 @@ struct ErrorMetrics {
 /// relMSE or RMSE.
 ErrorMetrics measure_error(const ImageRgb& image, const ImageRgb& reference, float exposure_ev = 0);
 
+/// As `measure_error` but for FLIP, which takes far longer than all the others and stays 0.
+ErrorMetrics measure_radiance_error(const ImageRgb& image, const ImageRgb& reference);
+
 /// One FLIP value a pixel, in [0, 1].
 std::vector<float> flip_map(const ImageRgb& image, const ImageRgb& reference, float exposure_ev = 0);
 

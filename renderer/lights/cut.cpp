@@ -86,24 +86,41 @@ void fill_cluster(Cut& cut, uint32_t k, const LightNode& node) {
   cut.has_extent[k] = punctual ? 0.0f : 1.0f;
 }
 
-/// The leaves' shares of their cluster in whole numbers, at least 1 where there is light.
-void fill_leaf_prefix(Cut& cut, const LightTree& tree) {
-  cut.leaf_prefix.assign(tree.lights.size() + 1, 0.0);
+/// The leaves' shares of their cluster in whole numbers, at least 1 where `weight(leaf)` is not 0;
+/// `cluster_weight(k)` is their sum.
+template <class Weight, class ClusterWeight>
+void fill_leaf_prefix(Cut& cut, size_t leaves, const Weight& weight, const ClusterWeight& cluster_weight) {
+  cut.leaf_prefix.assign(leaves + 1, 0.0);
   for (auto* array : {&cut.leaf_start, &cut.leaf_total}) array->assign(cut.padded_size(), 0.0);
   double sum = 0;
   uint32_t leaf = 0;
   for (uint32_t k = 0; k < cut.size; ++k) {
     for (; leaf < cut.begin[k]; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
-    const double scale = 0x1p32 / tree.nodes[cut.node[k]].power;
+    const double scale = 0x1p32 / cluster_weight(k);
     cut.leaf_start[k] = sum;
     for (; leaf < cut.end[k]; ++leaf) {
-      const double power = leaf_power(tree.lights[leaf]);
-      if (power > 0) sum += std::max(1.0, std::nearbyint(power * scale));
+      const double its_weight = weight(leaf);
+      if (its_weight > 0) sum += std::max(1.0, std::nearbyint(its_weight * scale));
       cut.leaf_prefix[leaf + 1] = sum;
     }
     cut.leaf_total[k] = sum - cut.leaf_start[k];
   }
-  for (; leaf < tree.lights.size(); ++leaf) cut.leaf_prefix[leaf + 1] = sum;
+  for (; leaf < leaves; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
+}
+
+/// Starts of searches among the leaves of each cluster.
+void fill_leaf_guide(Cut& cut) {
+  cut.leaf_guide.assign(cut.leaf_prefix.size() - 1, 0);
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    const double step = cut.leaf_total[k] / (cut.end[k] - cut.begin[k]);
+    uint32_t leaf = cut.begin[k];
+    for (uint32_t i = cut.begin[k]; i < cut.end[k]; ++i) {
+      // A share less than the exact place: what the search computes may be rounded down.
+      const double place = cut.leaf_start[k] + (i - cut.begin[k]) * step - 1;
+      while (cut.leaf_prefix[leaf + 1] <= place) ++leaf;
+      cut.leaf_guide[i] = leaf;
+    }
+  }
 }
 
 }  // namespace
@@ -127,7 +144,45 @@ Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
     cut.node[k] = nodes[k];
     fill_cluster(cut, k, tree.nodes[nodes[k]]);
   }
-  fill_leaf_prefix(cut, tree);
+  fill_leaf_prefix(
+      cut, tree.lights.size(), [&](uint32_t leaf) { return leaf_power(tree.lights[leaf]); },
+      [&](uint32_t k) { return tree.nodes[cut.node[k]].power; });
+  fill_leaf_guide(cut);
+  return cut;
+}
+
+Aabb local_bounds(const Cut& cut) {
+  Aabb box;
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    if (cut.local[k] == 0) continue;
+    box.extend(Vec3(cut.low_x[k], cut.low_y[k], cut.low_z[k]));
+    box.extend(Vec3(cut.high_x[k], cut.high_y[k], cut.high_z[k]));
+  }
+  return box;
+}
+
+Cut equal_radiance_cut(const LightTree& tree, const Cut& lit) {
+  Cut cut = lit;
+  const float extent = 0.5f * local_bounds(lit).diagonal();
+  const float per_light = 4 * pi / static_cast<float>(tree.lights.size());
+  const float punctual_area = per_light * (extent > 0 ? square(extent) : 1.0f);
+  cut.power_unit = 1;
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    if (cut.kind[k] == LightKind::punctual) {
+      cut.measure[k] = punctual_area * static_cast<float>(cut.end[k] - cut.begin[k]);
+      cut.softening[k] = cut.measure[k] * (0.5f / pi);
+    }
+    cut.power[k] = cut.measure[k], cut.radiance[k] = 1;
+  }
+  // A radiance that is no number never counts.
+  const auto sane = [](const VirtualLight& light) {
+    return light.radiance == Vec3(0) || leaf_power(light) > 0;
+  };
+  fill_leaf_prefix(
+      cut, tree.lights.size(),
+      [&](uint32_t i) { return sane(tree.lights[i]) ? static_cast<double>(tree.lights[i].measure) : 0.0; },
+      [&](uint32_t k) { return static_cast<double>(tree.nodes[cut.node[k]].measure); });
+  fill_leaf_guide(cut);
   return cut;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <limits>
 
 #include "core/errors.h"
 #include "core/simd.h"
@@ -11,6 +13,11 @@ namespace halflight {
 namespace {
 
 constexpr size_t block = 16;
+
+// Vector extensions of the compiler: each version of a function gets them in its own width.
+constexpr size_t double_lanes = 8;
+using DoubleLanes [[gnu::vector_size(double_lanes * sizeof(double))]] = double;
+static_assert(block % double_lanes == 0);
 constexpr double share_total = 0x1p40;
 
 // Within the guard, this much is spread evenly over the clusters: a light whose guard is lost beside far
@@ -55,34 +62,27 @@ double running_sums(double* share, double* block_end, size_t blocks) {
   return total;
 }
 
-/// How many of 16 ascending numbers do not exceed `target`.
+/// How many of 8 ascending numbers do not exceed `target`.
 HALFLIGHT_INLINE size_t count_not_above(const double* ascending, double target) {
+  DoubleLanes values;
+  std::memcpy(&values, ascending, sizeof values);
+  const auto below = values <= target;  // −1 where it holds
   int64_t count = 0;
-  for (size_t i = 0; i < block; ++i) count += ascending[i] <= target ? 1 : 0;
+  for (size_t i = 0; i < double_lanes; ++i) count -= below[i];
   return static_cast<size_t>(count);
 }
 
-/// Where the leaf would be if all of the cluster had equal shares.
-HALFLIGHT_INLINE size_t equal_share_leaf(const Cut& cut, size_t k, double fraction) {
-  const auto leaves = static_cast<double>(static_cast<int32_t>(cut.end[k] - cut.begin[k]));
-  return cut.begin[k] + static_cast<size_t>(static_cast<int64_t>(fraction * leaves));
+/// First block at or behind `b` whose running sum exceeds `target`; sums of blocks that follow the last are
+/// infinite.
+HALFLIGHT_INLINE size_t find_block(const double* block_end, size_t b, double target) {
+  while (block_end[b + double_lanes - 1] <= target) b += double_lanes;
+  return b + count_not_above(block_end + b, target);
 }
 
-/// Leaf of cluster k that `target` falls to, a number in the cluster's part of the running sum. Leaves of a
-/// cluster have similar power, so that it is nearly always among the 16 about the place that equal shares
-/// would give.
-HALFLIGHT_INLINE size_t find_leaf(const Cut& cut, size_t leaf_count, size_t k, double target,
-                                  double fraction) {
-  const size_t begin = cut.begin[k], end = cut.end[k], guess = equal_share_leaf(cut, k, fraction);
-  // ends[i] is the sum after leaf i: ascending over all leaves, so that a window may reach over the cluster's
-  // edges.
-  const double* ends = cut.leaf_prefix.data() + 1;
-  if (leaf_count >= block) {
-    const size_t first = std::min(guess - std::min(guess, block / 2), leaf_count - block);
-    const size_t below = count_not_above(ends + first, target);
-    if (below < block && (below > 0 || first == 0)) return first + below;
-  }
-  return static_cast<size_t>(std::upper_bound(ends + begin, ends + end, target) - ends);
+/// Where the search for a leaf starts: never behind the leaf it looks for (`Cut::leaf_guide`).
+HALFLIGHT_INLINE size_t guide_slot(const Cut& cut, size_t k, double fraction) {
+  const auto leaves = static_cast<double>(static_cast<int32_t>(cut.end[k] - cut.begin[k]));
+  return cut.begin[k] + static_cast<size_t>(static_cast<int64_t>(fraction * leaves));
 }
 
 // The weight 1/P of a leaf, the same bits for draws and for those who ask.
@@ -116,28 +116,29 @@ HALFLIGHT_SIMD_CLONES void draw_clusters(const Cut& cut, const Tables& tables, R
                                          size_t first, size_t count, size_t of, ClusterDraw* out) {
   const double step = tables.total / static_cast<double>(of), last = std::nextafter(tables.total, 0.0);
   size_t b = 0;
-  double block_start = 0;
   for (size_t j = 0; j < count; ++j) {
     const double jitter = static_cast<double>(static_cast<int64_t>(random.next_bits() >> 20)) * 0x1p-44;
     const double target =
         std::min((static_cast<double>(static_cast<int64_t>(first + j)) + jitter) * step, last);
-    while (tables.block_end[b] <= target) block_start = tables.block_end[b++];
+    b = find_block(tables.block_end, b, target);
     const double* share = tables.share + b * block;
-    const double inside = target - block_start;
-    const size_t below = count_not_above(share, inside);
+    const double inside = target - (b > 0 ? tables.block_end[b - 1] : 0.0);
+    size_t below = 0;
+    for (size_t i = 0; i < block; i += double_lanes) below += count_not_above(share + i, inside);
     const double lower = below > 0 ? share[below - 1] : 0.0;
     const double cluster_share = share[below] - lower;
     const size_t k = b * block + below;
     const double fraction = (inside - lower) / cluster_share;
     out[j] = {static_cast<uint32_t>(k), cluster_share, fraction};
-    prefetch(&cut.leaf_prefix[equal_share_leaf(cut, k, fraction)]);
+    const size_t slot = guide_slot(cut, k, fraction);
+    prefetch(&cut.leaf_guide[slot]);
+    prefetch(&cut.leaf_prefix[slot]);
   }
 }
 
 /// Picks the leaves with what is left of the numbers, so that strata run along the leaves.
 HALFLIGHT_SIMD_CLONES void draw_leaves(const Cut& cut, const Tables& tables, const ClusterDraw* draws,
                                        size_t count, LightSample* out) {
-  const size_t leaf_count = cut.leaf_prefix.size() - 1;
   const double* prefix = cut.leaf_prefix.data();
   for (size_t j = 0; j < count; ++j) {
     const size_t k = draws[j].cluster;
@@ -145,7 +146,8 @@ HALFLIGHT_SIMD_CLONES void draw_leaves(const Cut& cut, const Tables& tables, con
     // Shares are whole: half below the end falls to the last that is not empty, should the sum be rounded up
     // to it.
     const double target = std::min(start + fraction * total, start + total - 0.5);
-    const size_t leaf = find_leaf(cut, leaf_count, k, target, fraction);
+    size_t leaf = cut.leaf_guide[guide_slot(cut, k, fraction)];
+    while (prefix[leaf + 1] <= target) ++leaf;
     out[j] = {static_cast<uint32_t>(leaf),
               power_weight(tables.total, draws[j].share, total, prefix[leaf + 1] - prefix[leaf])};
   }
@@ -176,7 +178,8 @@ bool CutDistribution::build(const Cut& cut, std::span<const float> guard, float 
   if (cut.size == 0) return false;
   HALFLIGHT_CHECK(importance_.size() == padded && (alpha == 0 || guard.size() == padded));
   share_.resize(padded);
-  block_end_.resize(padded / block);
+  const size_t blocks = padded / block;
+  block_end_.resize(blocks + double_lanes);
 
   std::fill(importance_.begin() + cut.size, importance_.end(), 0.0f);
   const float* guard_or_any = alpha > 0 ? guard.data() : importance_.data();
@@ -196,7 +199,8 @@ bool CutDistribution::build(const Cut& cut, std::span<const float> guard, float 
   else
     round_shares(importance_.data(), guard_or_any, padded, mixture, share_.data());
   std::fill(share_.begin() + cut.size, share_.end(), 0.0);
-  total_ = running_sums(share_.data(), block_end_.data(), block_end_.size());
+  total_ = running_sums(share_.data(), block_end_.data(), blocks);
+  std::fill(block_end_.begin() + blocks, block_end_.end(), std::numeric_limits<double>::infinity());
   return total_ > 0;
 }
 

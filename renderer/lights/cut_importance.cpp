@@ -260,13 +260,7 @@ void guard_importance(const Cut& cut, Vec3 x, std::span<float> guard) {
 }
 
 void illumination_importance(const Cut& cut, std::span<float> importance) {
-  Aabb box;
-  for (uint32_t k = 0; k < cut.size; ++k) {
-    if (cut.local[k] == 0) continue;
-    box.extend(Vec3(cut.low_x[k], cut.low_y[k], cut.low_z[k]));
-    box.extend(Vec3(cut.high_x[k], cut.high_y[k], cut.high_z[k]));
-  }
-  const float extent = 0.5f * box.diagonal();
+  const float extent = 0.5f * local_bounds(cut).diagonal();
   const float local_scale = extent > 0 ? 1 / square(extent) : 1.0f;
   for (size_t k = 0; k < cut.padded_size(); ++k)
     importance[k] = cut.power[k] * (cut.local[k] == 0 ? 1.0f : local_scale);

@@ -81,10 +81,21 @@ struct Cut {
   /// differences is the probability a search really gives.
   std::vector<double> leaf_prefix;
   std::vector<double> leaf_start, leaf_total;  ///< of each cluster: the sum before it, and its own
+  /// Of n leaves of a cluster, entry j: the first leaf that can hold the cluster's sum at (j + ξ)/n. A search
+  /// that starts there goes on by less than a leaf on average (Chen & Asau 1974).
+  std::vector<uint32_t> leaf_guide;
 
   size_t padded_size() const { return power.size(); }
 };
 
 Cut illumination_cut(const LightTree&, const CutSettings&);
+
+/// Box of all clusters that are not at infinity.
+Aabb local_bounds(const Cut&);
+
+/// The clusters of a cut as one sees them who is blind to light: all members, lit or not, of radiance 1, so
+/// that Φ is the measure. Punctual lights, which have none, get Wang & Åkerlund's Ω_k = |C_k| 4π/|S|, seen
+/// from as far as half the extent of the local lights.
+Cut equal_radiance_cut(const LightTree&, const Cut&);
 
 }  // namespace halflight

@@ -1,77 +1,14 @@
 #include <algorithm>
-#include <numeric>
 
 #include "core/parallel.h"
 #include "core/random.h"
-#include "core/warp.h"
 #include "lights/light_points.h"
 #include "lights/repulsion.h"
+#include "lights/surface_strata.h"
 
 namespace halflight {
 
 namespace {
-
-bool returns_light(const Material& material) {
-  if (material.unlit || material.model == BrdfModel::none) return false;
-  // GGX is left with its Fresnel reflectance where everything else is black.
-  if (material.model == BrdfModel::ggx)
-    return max_component(Vec3(material.base_color)) > 0 || material.specular > 0;
-  return max_component(material.diffuse) > 0 || max_component(material.phong_specular) > 0;
-}
-
-/// Interleaves the low 10 bits of three numbers.
-uint32_t morton3(UVec3 v) {
-  const auto spread = [](uint32_t x) {
-    x = (x | x << 16) & 0x030000ff, x = (x | x << 8) & 0x0300f00f;
-    x = (x | x << 4) & 0x030c30c3, x = (x | x << 2) & 0x09249249;
-    return x;
-  };
-  return spread(v.x) | spread(v.y) << 1 | spread(v.z) << 2;
-}
-
-/// Triangles that return light, along a Morton curve: strata of equal area are then compact.
-std::vector<uint32_t> reflecting_triangles(const Scene& scene) {
-  std::vector<std::pair<uint32_t, uint32_t>> keyed;
-  const Vec3 scale = 1023.0f / glm::max(scene.bounds.extent(), Vec3(1e-30f));
-  for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-    if (!returns_light(scene.materials[scene.triangle_material[i]])) continue;
-    const Vec3 centre = surface_position(scene, {i, {1.0f / 3, 1.0f / 3}});
-    keyed.emplace_back(morton3(UVec3(glm::clamp((centre - scene.bounds.low) * scale, 0.0f, 1023.0f))), i);
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<uint32_t> order(keyed.size());
-  std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& k) { return k.second; });
-  return order;
-}
-
-/// What the surface returns there; a hole of a mask or a blend returns its share only.
-Vec3 covered_albedo(const Scene& scene, SurfacePoint surface) {
-  return bounce_albedo(surface_brdf(scene, surface)) * surface_alpha(scene, surface);
-}
-
-/// The surfaces that return light, laid out one after the other by area.
-class SurfaceStrata {
- public:
-  explicit SurfaceStrata(const Scene& scene) : triangles_(reflecting_triangles(scene)) {
-    prefix_.assign(triangles_.size() + 1, 0.0);
-    for (size_t i = 0; i < triangles_.size(); ++i)
-      prefix_[i + 1] =
-          prefix_[i] + 0.5 * static_cast<double>(glm::length(triangle_cross(scene, triangles_[i])));
-  }
-
-  std::span<const uint32_t> triangles() const { return triangles_; }
-  double area() const { return prefix_.back(); }
-
-  /// The point at `share` in [0, 1) of the area; `u` says where on its triangle.
-  SurfacePoint at(double share, Vec2 u) const {
-    const auto upper = std::upper_bound(prefix_.begin() + 1, prefix_.end() - 1, share * area());
-    return {triangles_[static_cast<size_t>(upper - prefix_.begin()) - 1], uniform_triangle(u)};
-  }
-
- private:
-  std::vector<uint32_t> triangles_;
-  std::vector<double> prefix_;
-};
 
 /// What a point stands for: the area nearest to it and that area's mean albedo, by counting samples.
 struct Cell {

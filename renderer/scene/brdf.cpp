@@ -162,43 +162,45 @@ std::optional<Vec3> specular_direction(const Brdf& brdf, Vec3 wo, Vec2 u) {
   return std::nullopt;
 }
 
-/// f of both lobes and the specular lobe's density, which share their dear terms.
+/// f of each lobe and the specular lobe's density, which share their dear terms.
 struct LobeValues {
-  Vec3 f;
+  Vec3 diffuse, specular;
   float specular_pdf;
+
+  Vec3 f() const { return diffuse + specular; }
 };
 
 LobeValues lobe_values(const Brdf& brdf, Vec3 wo, Vec3 wi) {
   switch (brdf.model) {
     case BrdfModel::ggx: {
-      if (!brdf.has_specular()) return {brdf.diffuse * (1 / pi), 0};
+      if (!brdf.has_specular()) return {brdf.diffuse * (1 / pi), Vec3(0), 0};
       const HalfVector half = half_vector(wo, wi);
       const Vec2 alpha = ggx_alpha(brdf);
       const Vec3 fresnel = schlick(brdf.specular, brdf.f90, half.cos_half);
       const Vec3 diffuse = (Vec3(1) - fresnel) * brdf.diffuse * (1 / pi);
       const float distribution = ggx_distribution(half.h, alpha);
-      return {diffuse + fresnel * ggx_lobe(wo, wi, distribution, alpha), ggx_pdf(wo, distribution, alpha)};
+      return {diffuse, fresnel * ggx_lobe(wo, wi, distribution, alpha), ggx_pdf(wo, distribution, alpha)};
     }
     case BrdfModel::phong: {
       const Vec3 diffuse = brdf.diffuse * (1 / pi);
-      if (!brdf.has_specular()) return {diffuse, 0};
+      if (!brdf.has_specular()) return {diffuse, Vec3(0), 0};
       const float n = brdf.roughness.x;
       const float power = phong_power(wo, wi, n) / (2 * pi);
-      return {diffuse + brdf.specular * ((n + 2) * power), (n + 1) * power};
+      return {diffuse, brdf.specular * ((n + 2) * power), (n + 1) * power};
     }
     case BrdfModel::ashikhmin_shirley: {
       const Vec3 diffuse = brdf.diffuse * (Vec3(1) - brdf.specular) * ashikhmin_diffuse(wi.z, wo.z);
-      if (!brdf.has_specular()) return {diffuse, 0};
+      if (!brdf.has_specular()) return {diffuse, Vec3(0), 0};
       const HalfVector half = half_vector(wo, wi);
       const float density = ashikhmin_pdf(half, brdf.roughness);
       // Their specular term is the density times F/max(cos θ_i, cos θ_o).
       const Vec3 fresnel = schlick(brdf.specular, 1, half.cos_half);
-      return {diffuse + fresnel * (density / std::max(wi.z, wo.z)), density};
+      return {diffuse, fresnel * (density / std::max(wi.z, wo.z)), density};
     }
     case BrdfModel::none:
       break;
   }
-  return {Vec3(0), 0};
+  return {Vec3(0), Vec3(0), 0};
 }
 
 /// Fresnel reflectance of a whole rough surface seen at cos θ_o; roughness takes the grazing rise away.
@@ -234,7 +236,7 @@ float mixture_pdf(float choose_probability, float specular_pdf_value, float cos_
 Vec3 evaluate(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec3 wi) {
   const Vec3 o = basis.to_local(wo), i = basis.to_local(wi);
   if (!(o.z > 0 && i.z > 0)) return Vec3(0);
-  return lobe_values(brdf, o, i).f;
+  return lobe_values(brdf, o, i).f();
 }
 
 float pdf(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec3 wi) {
@@ -243,21 +245,56 @@ float pdf(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec3 wi) {
   return mixture_pdf(choose_specular(brdf, o.z), specular_density(brdf, o, i), i.z);
 }
 
-std::optional<BrdfSample> sample(const Brdf& brdf, const Basis& basis, Vec3 wo, float choose, Vec2 u) {
+BrdfValue evaluate_with_pdf(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec3 wi) {
+  const Vec3 o = basis.to_local(wo), i = basis.to_local(wi);
+  if (!(o.z > 0 && i.z > 0) || brdf.black()) return {Vec3(0), 0};
+  const LobeValues values = lobe_values(brdf, o, i);
+  return {values.f(), mixture_pdf(choose_specular(brdf, o.z), values.specular_pdf, i.z)};
+}
+
+namespace {
+
+/// A direction of the mixture with the lobes' values there.
+struct MixtureDraw {
+  Vec3 wi;
+  LobeValues values;
+  float cos_i, specular_share;
+  bool is_specular;
+};
+
+std::optional<MixtureDraw> draw_mixture(const Brdf& brdf, const Basis& basis, Vec3 wo, float choose, Vec2 u) {
   const Vec3 o = basis.to_local(wo);
   if (!(o.z > 0) || brdf.black()) return std::nullopt;
   const float specular_share = choose_specular(brdf, o.z);
+  const bool is_specular = choose < specular_share;
   const std::optional<Vec3> drawn =
-      choose < specular_share ? specular_direction(brdf, o, u) : std::optional<Vec3>(cosine_hemisphere(u));
+      is_specular ? specular_direction(brdf, o, u) : std::optional<Vec3>(cosine_hemisphere(u));
   if (!drawn || !(drawn->z > 0)) return std::nullopt;
   // The values belong to the direction as the caller gets it, rounded to world space.
   const Vec3 wi = glm::normalize(basis.to_world(*drawn));
   const Vec3 i = basis.to_local(wi);
   if (!(i.z > 0)) return std::nullopt;
-  const LobeValues values = lobe_values(brdf, o, i);
-  const float density = mixture_pdf(specular_share, values.specular_pdf, i.z);
+  return MixtureDraw{wi, lobe_values(brdf, o, i), i.z, specular_share, is_specular};
+}
+
+}  // namespace
+
+std::optional<BrdfSample> sample(const Brdf& brdf, const Basis& basis, Vec3 wo, float choose, Vec2 u) {
+  const std::optional<MixtureDraw> draw = draw_mixture(brdf, basis, wo, choose, u);
+  if (!draw) return std::nullopt;
+  const float density = mixture_pdf(draw->specular_share, draw->values.specular_pdf, draw->cos_i);
   if (!(density > 0)) return std::nullopt;
-  return BrdfSample{wi, values.f, density};
+  return BrdfSample{draw->wi, draw->values.f(), density};
+}
+
+std::optional<BrdfSample> sample_chosen_lobe(const Brdf& brdf, const Basis& basis, Vec3 wo, float choose,
+                                             Vec2 u) {
+  const std::optional<MixtureDraw> draw = draw_mixture(brdf, basis, wo, choose, u);
+  if (!draw) return std::nullopt;
+  const float density = draw->is_specular ? draw->specular_share * draw->values.specular_pdf
+                                          : (1 - draw->specular_share) * draw->cos_i * (1 / pi);
+  if (!(density > 0)) return std::nullopt;
+  return BrdfSample{draw->wi, draw->is_specular ? draw->values.specular : draw->values.diffuse, density};
 }
 
 std::optional<Vec3> sample_specular(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec2 u) {

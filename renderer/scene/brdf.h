@@ -41,9 +41,21 @@ Vec3 evaluate(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec3 wi);
 /// horizon; its integral over the hemisphere is one less the share of draws that fail.
 float pdf(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec3 wi);
 
+/// `evaluate` and `pdf` at once, which share their dear terms.
+struct BrdfValue {
+  Vec3 f;
+  float pdf;
+};
+BrdfValue evaluate_with_pdf(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec3 wi);
+
 /// Draws from the mixture of both lobes; nothing when the draw falls below the horizon.
 /// `choose` picks the lobe, `u` the direction; all uniform in [0, 1).
 std::optional<BrdfSample> sample(const Brdf& brdf, const Basis& basis, Vec3 wo, float choose, Vec2 u);
+
+/// As `sample`, but the lobe that was chosen stands for itself only: f is that lobe's and pdf its density
+/// times its probability of being chosen (Křivánek §2.4). The mean of f cos θ L / pdf is the same.
+std::optional<BrdfSample> sample_chosen_lobe(const Brdf& brdf, const Basis& basis, Vec3 wo, float choose,
+                                             Vec2 u);
 
 /// Draws a direction of the specular lobe alone (what Wang & Åkerlund's counting rays follow); nothing below
 /// the horizon.

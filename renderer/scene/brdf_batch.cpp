@@ -1,5 +1,7 @@
 #include "scene/brdf_batch.h"
 
+#include <algorithm>
+
 #include "core/simd.h"
 
 namespace halflight {
@@ -45,7 +47,90 @@ HALFLIGHT_SIMD_CLONES void ggx_loop(const Lobe& lobe, const BrdfBatch& batch) {
   }
 }
 
+/// Křivánek eq. 4; cosⁿ from the difference to the mirror direction, as in `evaluate`.
+struct PhongTerms {
+  Vec3 wo, diffuse, peak;  ///< k_d/π, k_s (n + 2)/2π
+  float exponent;
+};
+
+HALFLIGHT_SIMD_CLONES void phong_loop(const PhongTerms& terms, const BrdfBatch& batch) {
+  const float *x = batch.x, *y = batch.y, *z = batch.z;
+  float *red = batch.red, *green = batch.green, *blue = batch.blue;
+  const PhongTerms t = terms;
+#pragma GCC ivdep
+  for (size_t i = 0; i < batch.count; ++i) {
+    const float dx = x[i] + t.wo.x, dy = y[i] + t.wo.y, dz = z[i] - t.wo.z;
+    const float half_square = 0.5f * (dx * dx + dy * dy + dz * dz);
+    const float power = half_square < 1.0f ? exp_negative(t.exponent * log_of_complement(half_square)) : 0.0f;
+    red[i] = t.diffuse.x + t.peak.x * power;
+    green[i] = t.diffuse.y + t.peak.y * power;
+    blue[i] = t.diffuse.z + t.peak.z * power;
+  }
+}
+
+/// Ashikhmin & Shirley 2000, as in `evaluate`.
+struct AshikhminTerms {
+  Vec3 wo, f0, diffuse;  ///< diffuse with its factors that do not depend on wi
+  float exponent_x, exponent_y;
+  float scale;  ///< √((nu + 1)(nv + 1))/8π; 0 without a specular lobe
+};
+
+HALFLIGHT_SIMD_CLONES void ashikhmin_loop(const AshikhminTerms& terms, const BrdfBatch& batch) {
+  const float *x = batch.x, *y = batch.y, *z = batch.z;
+  float *red = batch.red, *green = batch.green, *blue = batch.blue;
+  const AshikhminTerms t = terms;
+#pragma GCC ivdep
+  for (size_t i = 0; i < batch.count; ++i) {
+    const float sx = t.wo.x + x[i], sy = t.wo.y + y[i], sz = t.wo.z + z[i];
+    const float sum2 = sx * sx + sy * sy + sz * sz;
+    const float length = std::sqrt(sum2 > 1e-30f ? sum2 : 1e-30f), inverse = 1.0f / length;
+    const float hx = sx * inverse, hy = sy * inverse;
+    const float half = 0.5f * length, complement = half < 1.0f ? 1.0f - half : 0.0f;
+    const float complement2 = complement * complement, grazing = complement2 * complement2 * complement;
+
+    const float hx2 = hx * hx, hy2 = hy * hy, flat = hx2 + hy2;
+    const float sin2 = flat > 1e-12f ? flat : 1e-12f;
+    const float exponent = 0.5f * (t.exponent_x * hx2 + t.exponent_y * hy2);
+    const float power = exp_negative(exponent * (log_of_complement(sin2) / sin2));
+    const float up = z[i] > t.wo.z ? z[i] : t.wo.z, cos_half = half > 1e-20f ? half : 1e-20f;
+    const float specular = t.scale * power / (cos_half * up);
+
+    const float low = 1.0f - 0.5f * z[i], low2 = low * low, diffuse = 1.0f - low2 * low2 * low;
+    red[i] = t.diffuse.x * diffuse + (t.f0.x + (1.0f - t.f0.x) * grazing) * specular;
+    green[i] = t.diffuse.y * diffuse + (t.f0.y + (1.0f - t.f0.y) * grazing) * specular;
+    blue[i] = t.diffuse.z * diffuse + (t.f0.z + (1.0f - t.f0.z) * grazing) * specular;
+  }
+}
+
+void evaluate_phong(const Brdf& brdf, Vec3 wo, const BrdfBatch& batch) {
+  const float n = brdf.roughness.x;
+  const Vec3 specular = brdf.has_specular() ? brdf.specular : Vec3(0);
+  phong_loop({wo, brdf.diffuse * (1 / pi), specular * ((n + 2) / (2 * pi)), n}, batch);
+}
+
+void evaluate_ashikhmin(const Brdf& brdf, Vec3 wo, const BrdfBatch& batch) {
+  const Vec2 n = brdf.roughness;
+  const float low = 1 - 0.5f * wo.z, seen = 28 / (23 * pi) * (1 - square(square(low)) * low);
+  const float scale = brdf.has_specular() ? std::sqrt((n.x + 1) * (n.y + 1)) / (8 * pi) : 0.0f;
+  ashikhmin_loop({wo, brdf.specular, brdf.diffuse * (Vec3(1) - brdf.specular) * seen, n.x, n.y, scale},
+                 batch);
+}
+
 }  // namespace
+
+void evaluate_batch(const Brdf& brdf, Vec3 wo, const BrdfBatch& batch) {
+  switch (brdf.model) {
+    case BrdfModel::ggx:
+      return evaluate_ggx(brdf, wo, batch);
+    case BrdfModel::phong:
+      return evaluate_phong(brdf, wo, batch);
+    case BrdfModel::ashikhmin_shirley:
+      return evaluate_ashikhmin(brdf, wo, batch);
+    case BrdfModel::none:
+      break;
+  }
+  for (float* channel : {batch.red, batch.green, batch.blue}) std::fill_n(channel, batch.count, 0.0f);
+}
 
 void evaluate_ggx(const Brdf& brdf, Vec3 wo, const BrdfBatch& batch) {
   Lobe lobe;

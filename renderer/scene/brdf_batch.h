@@ -1,4 +1,4 @@
-// GGX for many directions at once, as arrays that vectorise: the same f as `evaluate` to rounding
+// BRDFs for many directions at once, as arrays that vectorise: the same f as `evaluate` to rounding
 // (scene/brdf.h).
 #pragma once
 
@@ -19,5 +19,8 @@ struct BrdfBatch {
 /// f(wi, wo) of a GGX material without the cosine; `wo` is local with z > 0. Where wi.z ≤ 0 the result is
 /// finite and means nothing.
 void evaluate_ggx(const Brdf&, Vec3 wo, const BrdfBatch&);
+
+/// The same of any model.
+void evaluate_batch(const Brdf&, Vec3 wo, const BrdfBatch&);
 
 }  // namespace halflight

@@ -7,5 +7,10 @@ namespace halflight {
 
 Scene make_cornell();
 Scene make_bedroom();
+Scene make_box();
+Scene make_plate();
+Scene make_hall();
+Scene make_glossy_sphere();
+Scene make_bumpy_statue();
 
 }  // namespace halflight

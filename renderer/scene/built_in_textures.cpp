@@ -186,4 +186,28 @@ ImageRgba8 botanical_texture(int size, Vec3 paper, Vec3 leaf, uint32_t seed) {
   });
 }
 
+ImageRgba8 checker_texture(int size, int tiles, Vec3 light, Vec3 dark, uint32_t seed) {
+  return paint(size, size, [=](Vec2 uv) {
+    const Vec2 t = uv * static_cast<float>(tiles);
+    const int i = static_cast<int>(t.x), j = static_cast<int>(t.y);
+    const Vec2 edge = glm::min(glm::fract(t), 1.0f - glm::fract(t));
+    const auto tile = static_cast<uint64_t>(i * tiles + j);
+    const float warp = fractal_noise(uv * 8.0f, 3, 8, seed) + 5 * hash_unit(seed, tile);
+    const float vein = line(std::sin(2 * pi * (2 * uv.x + 3 * uv.y + 0.8f * warp)), 0.05f, 0.05f);
+    const float cloud = fractal_noise(uv * 16.0f, 3, 16, seed + 9);
+    const bool pale = (i + j) % 2 == 0;
+    Vec3 color = (pale ? light : dark) * (0.9f + 0.2f * hash_unit(seed + 1, tile) + 0.15f * cloud);
+    color = glm::mix(color, pale ? light * 0.7f : glm::mix(dark, light, 0.4f), 0.5f * vein);
+    return color * (1 - 0.6f * line(std::min(edge.x, edge.y), 0.012f, 0.006f));
+  });
+}
+
+ImageRgba8 encoded(const ImageRgb& picture) {
+  const Vec2 size(picture.width, picture.height);
+  return paint(picture.width, picture.height, [&](Vec2 uv) {
+    const Vec2 texel = uv * size;
+    return picture.at(static_cast<int>(texel.x), static_cast<int>(texel.y));
+  });
+}
+
 }  // namespace halflight

@@ -25,4 +25,10 @@ ImageRgba8 landscape_texture(int size, Vec3 sky, Vec3 land, Vec3 sun, uint32_t s
 /// Leaves on a stem, in the manner of a botanical plate. Does not repeat.
 ImageRgba8 botanical_texture(int size, Vec3 paper, Vec3 leaf, uint32_t seed);
 
+/// Veined marble tiles, light and dark in turn, `tiles` (even) across, with thin joints.
+ImageRgba8 checker_texture(int size, int tiles, Vec3 light, Vec3 dark, uint32_t seed);
+
+/// A linear picture, clamped to [0, 1], as a texture.
+ImageRgba8 encoded(const ImageRgb&);
+
 }  // namespace halflight

@@ -178,10 +178,7 @@ Json parse(const fs::path& path, const LoadLimits& limits) {
   try {
     return Json::parse(bytes.begin(), bytes.end(), guard);
   } catch (const Json::exception& fault) {
-    // The library's message starts with its own identifier in brackets.
-    const std::string_view what = fault.what();
-    const size_t end = what.find("] ");
-    throw input_error(path.string(), "", end == std::string_view::npos ? what : what.substr(end + 2));
+    throw input_error(path.string(), "", without_identifier(fault.what()));
   }
 }
 

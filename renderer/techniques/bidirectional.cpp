@@ -9,8 +9,7 @@
 // cluster that no
 //   ray met has probability 0 where k_d = 0, and so has one whose centre lies below the horizon.
 #include "core/parallel.h"
-#include "lights/cut_counting.h"
-#include "lights/cut_importance.h"
+#include "techniques/counted_cut.h"
 #include "techniques/pixel_loop.h"
 
 namespace halflight {
@@ -28,81 +27,36 @@ constexpr std::array settings{
     SettingInfo{"bidirectional.alpha", 0.05, 0, 1, "share of draws that ignore the BRDF"},
 };
 
-// Counting tells more than the filtered lobe where the lobe is narrower than a cluster. K clusters that share
-// the sphere have a variance of about 1/K radians² each along an axis; beyond three times that, counting was
-// measured to gain nothing.
-constexpr float narrow_lobe = 3;
-
 struct Parameters {
   Form form;
-  uint32_t ray_count;
-  float tau, alpha;
+  CountedCutParameters counting;
 
   explicit Parameters(const SettingValues& values)
       : form(static_cast<Form>(static_cast<int>(values.get("bidirectional.form")))),
-        ray_count(static_cast<uint32_t>(values.get("bidirectional.brdf-samples"))),
-        tau(static_cast<float>(values.get("bidirectional.tau"))),
-        alpha(static_cast<float>(values.get("bidirectional.alpha"))) {}
+        counting{static_cast<uint32_t>(values.get("bidirectional.brdf-samples")),
+                 static_cast<float>(values.get("bidirectional.tau")),
+                 static_cast<float>(values.get("bidirectional.alpha"))} {}
 };
 
-class BidirectionalSampler {
+class PrintedSampler {
  public:
-  BidirectionalSampler(const FrameView& frame, const Parameters& parameters)
-      : cut_(*frame.cut), total_lights_(frame.tree->lights.size()), parameters_(parameters) {
-    guard_.resize(cut_.padded_size());
-    arriving_.resize(cut_.padded_size());
-  }
+  PrintedSampler(const FrameView& frame, uint32_t ray_count)
+      : cut_(*frame.cut), total_lights_(frame.tree->lights.size()), ray_count_(ray_count) {}
 
-  bool begin_pixel(const GBufferTexel& texel, RandomStream& random) {
-    return parameters_.form == Form::printed ? build_printed(texel, random) : build_repaired(texel, random);
-  }
+  bool begin_pixel(const GBufferTexel&, RandomStream&);
   void draw(RandomStream& random, std::span<LightSample> out) const { distribution_.draw(cut_, random, out); }
   const CutDistribution& distribution() const { return distribution_; }
 
  private:
-  bool build_repaired(const GBufferTexel&, RandomStream&);
-  bool build_printed(const GBufferTexel&, RandomStream&);
-  void shoot_rays(const GBufferTexel&, RandomStream&);
-
   const Cut& cut_;
   size_t total_lights_;
-  Parameters parameters_;
+  uint32_t ray_count_;
   CutDistribution distribution_;
   ClusterCounter counter_;
   RayBundle rays_;
-  std::vector<float> guard_, arriving_;
 };
 
-/// Directions of the specular lobe; those below the horizon are lost, as their light is. Points of the R2
-/// sequence (Roberts 2018), moved by a random shift.
-void BidirectionalSampler::shoot_rays(const GBufferTexel& texel, RandomStream& random) {
-  rays_.clear();
-  const Vec2 shift = random.next2();
-  const Basis basis = texel.basis();
-  for (uint32_t i = 0; i < parameters_.ray_count; ++i) {
-    const Vec2 point = shift + static_cast<float>(i) * Vec2(0.75487767f, 0.56984029f);
-    const Vec2 u = glm::min(point - glm::floor(point), Vec2(0x1.fffffep-1f));
-    if (const std::optional<Vec3> wi = sample_specular(texel.brdf, basis, texel.wo, u)) rays_.add(*wi);
-  }
-}
-
-bool BidirectionalSampler::build_repaired(const GBufferTexel& texel, RandomStream& random) {
-  const bool counts = parameters_.ray_count > 0 && texel.brdf.has_specular() &&
-                      lobe_variance(texel.brdf) * static_cast<float>(cut_.size) < narrow_lobe;
-  const float rays = counts ? static_cast<float>(parameters_.ray_count) : 0.0f;
-  const float counted = counts ? rays / (rays + parameters_.tau) : 0.0f;
-  const std::span<float> importance = distribution_.importance(cut_);
-  analytic_importance(cut_, texel, counted, {importance, guard_, arriving_});
-  if (counts) {
-    shoot_rays(texel, random);
-    const float scale = specular_strength(texel) / (rays + parameters_.tau);
-    for (const auto& [k, hits] : counter_.count(cut_, texel.position, arriving_, rays_, CountRule::shared))
-      importance[k] += cut_.radiance[k] * scale * hits;
-  }
-  return distribution_.build(cut_, guard_, parameters_.alpha);
-}
-
-bool BidirectionalSampler::build_printed(const GBufferTexel& texel, RandomStream& random) {
+bool PrintedSampler::begin_pixel(const GBufferTexel& texel, RandomStream& random) {
   const std::span<float> importance = distribution_.importance(cut_);
   const float diffuse = luminance(texel.brdf.diffuse), specular = luminance(texel.brdf.specular);
   // p ∝ |C_k| l_k ρ_k for a cluster; the diffuse term first.
@@ -118,9 +72,9 @@ bool BidirectionalSampler::build_printed(const GBufferTexel& texel, RandomStream
     const float cosine = length > 0 ? std::max(0.0f, glm::dot(texel.shading_normal, to) / length) : 0.0f;
     importance[k] = weight(k) * diffuse * cosine;
   }
-  if (parameters_.ray_count > 0 && texel.brdf.has_specular()) {
-    shoot_rays(texel, random);
-    const float rays = static_cast<float>(parameters_.ray_count);
+  if (ray_count_ > 0 && texel.brdf.has_specular()) {
+    shoot_lobe_rays(texel, ray_count_, random, rays_);
+    const float rays = static_cast<float>(ray_count_);
     for (const auto& [k, hits] : counter_.count(cut_, texel.position, {}, rays_, CountRule::whole)) {
       const Vec3 to = towards(k);
       // Eq. 6: Ω_k = |C_k| 4π/|S| at infinity, A_k/r² elsewhere and a hemisphere at most.
@@ -138,13 +92,21 @@ class Bidirectional final : public Technique {
  public:
   PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
     const Parameters parameters(*frame.settings);
-    return run_sampler_pass<BidirectionalSampler>(frame, request, film,
-                                                  [&] { return BidirectionalSampler(frame, parameters); });
+    if (parameters.form == Form::printed)
+      return run_sampler_pass<PrintedSampler>(
+          frame, request, film, [&] { return PrintedSampler(frame, parameters.counting.ray_count); });
+    return run_sampler_pass<CountedCut>(frame, request, film,
+                                        [&] { return CountedCut(*frame.cut, parameters.counting); });
   }
 
   std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
                                          uint32_t pixel) override {
-    BidirectionalSampler sampler(frame, Parameters(*frame.settings));
+    const Parameters parameters(*frame.settings);
+    if (parameters.form == Form::printed) {
+      PrintedSampler sampler(frame, parameters.counting.ray_count);
+      return inspect_sampler(sampler, frame, request, pixel);
+    }
+    CountedCut sampler(*frame.cut, parameters.counting);
     return inspect_sampler(sampler, frame, request, pixel);
   }
 };
@@ -158,7 +120,9 @@ TechniqueInfo bidirectional_technique() {
           TargetSupport::both,
           Bias::unbiased,
           settings,
-          []() -> std::unique_ptr<Technique> { return std::make_unique<Bidirectional>(); }};
+          []() -> std::unique_ptr<Technique> { return std::make_unique<Bidirectional>(); },
+          "unbiased for the sum over S; with form = printed a cluster that no ray met is lost",
+          true};
 }
 
 }  // namespace halflight

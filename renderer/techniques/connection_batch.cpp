@@ -101,16 +101,9 @@ void ConnectionBatch::connect(const GBufferTexel& texel, const Basis& basis, Geo
                          basis.bitangent,        basis.normal,
                          texel.geometric_normal, term == GeometryTerm::bounded ? 0.5f / pi : 0.0f};
   connect_loop(*this, pixel, directions, padded);
-  if (texel.brdf.model == BrdfModel::ggx) {
-    evaluate_ggx(texel.brdf, basis.to_local(texel.wo),
-                 {directions.x, directions.y, directions.z, directions.red, directions.green, directions.blue,
-                  padded});
-  } else {
-    for (size_t i = 0; i < padded; ++i) {
-      const Vec3 f = i < size && matters[i] > 0 ? evaluate(texel.brdf, basis, texel.wo, wi(i)) : Vec3(0);
-      directions.red[i] = f.x, directions.green[i] = f.y, directions.blue[i] = f.z;
-    }
-  }
+  evaluate_batch(
+      texel.brdf, basis.to_local(texel.wo),
+      {directions.x, directions.y, directions.z, directions.red, directions.green, directions.blue, padded});
   multiply_loop(*this, directions, padded);
 }
 

@@ -1,10 +1,16 @@
 // Importance sampling from the illumination cut: Wang & Åkerlund 2009, §3.2. One distribution for all pixels,
 // q_k ∝ Φ_k, leaves inside a cluster ∝ Φ_i. Unbiased for the sum over S; blind to the BRDF and to distance.
-#include "core/parallel.h"
+#include "techniques/illumination.h"
+
 #include "lights/cut_importance.h"
 #include "techniques/pixel_loop.h"
 
 namespace halflight {
+
+bool build_illumination(const Cut& cut, CutDistribution& distribution) {
+  illumination_importance(cut, distribution.importance(cut));
+  return distribution.build(cut, {}, 0);
+}
 
 namespace {
 
@@ -20,10 +26,7 @@ struct IlluminationSampler {
 
 class Illumination final : public Technique {
  public:
-  void prepare(const FrameView& frame) override {
-    illumination_importance(*frame.cut, distribution_.importance(*frame.cut));
-    drawable_ = distribution_.build(*frame.cut, {}, 0);
-  }
+  void prepare(const FrameView& frame) override { drawable_ = build_illumination(*frame.cut, distribution_); }
 
   PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
     return run_sampler_pass<IlluminationSampler>(frame, request, film, [&] { return sampler(frame); });
@@ -51,7 +54,8 @@ TechniqueInfo illumination_technique() {
           TargetSupport::both,
           Bias::unbiased,
           {},
-          []() -> std::unique_ptr<Technique> { return std::make_unique<Illumination>(); }};
+          []() -> std::unique_ptr<Technique> { return std::make_unique<Illumination>(); },
+          "unbiased for the sum over S; blind to the BRDF and to distance"};
 }
 
 }  // namespace halflight

@@ -10,13 +10,6 @@
 
 namespace halflight {
 
-/// Which kinds of light S holds for this scene, selection and technique.
-struct LightKinds {
-  bool environment = false, emitters = false, surfaces = false, punctual = false;
-
-  bool operator==(const LightKinds&) const = default;
-};
-
 /// Finds irradiance on both sides of each bounce point; raster, rays or both stand behind it.
 using LightPointsFunction = std::function<std::vector<Vec3>(const std::vector<BouncePoint>&)>;
 

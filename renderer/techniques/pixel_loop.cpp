@@ -62,6 +62,7 @@ bool PixelWorker::open(uint32_t pixel) {
     return false;
   }
   basis_ = texel_->basis();
+  origin_ = RayOrigin(*frame_.scene, texel_->position, texel_->geometric_normal);
   open_[open_count_] = opened;
   return true;
 }
@@ -76,8 +77,7 @@ void PixelWorker::connect() {
   batch_.connect(*texel_, basis_, term_);
   for (size_t i = 0; i < batch_.size; ++i) {
     if (!(batch_.matters[i] > 0)) continue;
-    rays_.push_back(shadow_ray(*frame_.scene, texel_->position, texel_->geometric_normal, batch_.wi(i),
-                               batch_.distance[i]));
+    rays_.push_back(shadow_ray(origin_, batch_.wi(i), batch_.distance[i]));
     waiting_.push_back({batch_.value(i), batch_.tag[i]});
   }
   batch_.size = 0;

@@ -92,6 +92,7 @@ class PixelWorker {
 
   const GBufferTexel* texel_ = nullptr;
   Basis basis_{};
+  RayOrigin origin_;
   std::array<OpenPixel, most_pixels> open_;
   uint32_t open_count_ = 0;
   ConnectionBatch batch_;

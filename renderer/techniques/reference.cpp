@@ -34,13 +34,16 @@ class Reference final : public Technique {
 }  // namespace
 
 TechniqueInfo reference_technique() {
-  return {"reference",
-          "Brute force over all of S",
-          "Wang & Åkerlund 2009, §5",
-          TargetSupport::discrete,
-          Bias::unbiased,
-          {},
-          []() -> std::unique_ptr<Technique> { return std::make_unique<Reference>(); }};
+  TechniqueInfo info{"reference",
+                     "Brute force over all of S",
+                     "Wang & Åkerlund 2009, §5",
+                     TargetSupport::discrete,
+                     Bias::unbiased,
+                     {},
+                     []() -> std::unique_ptr<Technique> { return std::make_unique<Reference>(); },
+                     "unbiased, and without noise: the exact sum over S"};
+  info.exact = true;
+  return info;
 }
 
 }  // namespace halflight

@@ -7,18 +7,31 @@ namespace halflight {
 
 // Each family's file describes its own technique.
 TechniqueInfo reference_technique();
+TechniqueInfo null_technique();
 TechniqueInfo illumination_technique();
 TechniqueInfo bidirectional_technique();
+TechniqueInfo single_point_technique();
+TechniqueInfo brdf_technique();
+TechniqueInfo sir_technique();
+TechniqueInfo mis_technique();
+TechniqueInfo instant_technique();
+TechniqueInfo light_bvh_technique();
+TechniqueInfo stochastic_lightcuts_technique();
 
 std::string_view target_name(Target target) { return target == Target::discrete ? "discrete" : "continuous"; }
 
 std::span<const TechniqueInfo> techniques() {
-  static const std::array registry{bidirectional_technique(), illumination_technique(),
-                                   reference_technique()};
+  static const std::array registry{
+      bidirectional_technique(), single_point_technique(), illumination_technique(),
+      brdf_technique(),          sir_technique(),          mis_technique(),
+      instant_technique(),       light_bvh_technique(),    stochastic_lightcuts_technique(),
+      reference_technique()};
   return registry;
 }
 
 const TechniqueInfo& find_technique(std::string_view id) {
+  static const TechniqueInfo null = null_technique();
+  if (id == null.id) return null;
   std::vector<std::string> valid;
   for (const TechniqueInfo& info : techniques()) {
     if (info.id == id) return info;
@@ -34,6 +47,11 @@ Target choose_target(const TechniqueInfo& info, std::optional<Target> wanted) {
   if (*wanted == Target::discrete ? discrete : continuous) return *wanted;
   throw usage_error(
       fmt::format("technique '{}' does not run in the {} target", info.id, target_name(*wanted)));
+}
+
+bool uses_light_set(const TechniqueInfo& info, Target target) {
+  if (info.target == TargetSupport::own) return false;
+  return !(target == Target::continuous && info.leaves_s_when_continuous);
 }
 
 PassStats& PassStats::operator+=(const PassStats& o) {

@@ -31,6 +31,14 @@ enum class LightSelection { all, direct, indirect };
 
 std::string_view target_name(Target);
 
+/// Kinds of light at a pixel.
+struct LightKinds {
+  bool environment = false, emitters = false, surfaces = false, punctual = false;
+
+  bool any() const { return environment || emitters || surfaces || punctual; }
+  bool operator==(const LightKinds&) const = default;
+};
+
 /// Everything a technique may read while a pass runs; nothing in it changes during the pass.
 struct FrameView {
   const Scene* scene = nullptr;
@@ -41,6 +49,9 @@ struct FrameView {
   const SettingValues* settings = nullptr;
   const std::vector<Vec3>* base = nullptr;  ///< per pixel: emission seen + direct light found by other stages
   Target target = Target::discrete;
+  /// What a technique that follows rays itself must find, each once: D_environment, D_emitter, I (`surfaces`)
+  /// and D_punctual; the rest is in `base` or was not asked for. S holds these very kinds.
+  LightKinds kinds;
   uint64_t seed = 0;
   uint32_t alpha_seed = 0;
 
@@ -99,7 +110,17 @@ struct TechniqueInfo {
   Bias bias;
   std::span<const SettingInfo> settings;
   std::unique_ptr<Technique> (*make)();
+  std::string_view note{};        ///< one line: what it is unbiased for, or what biases it
+  bool counts_brdf_rays = false;  ///< rays of specular lobes are counted over the cut
+  /// In the continuous target it follows rays into the scene itself: its mean is no sum over the frame's S.
+  bool leaves_s_when_continuous = false;
+  bool exact = false;   ///< one pass holds all the technique has to give; more passes repeat it
+  bool hidden = false;  ///< found by its id, listed nowhere
 };
+
+/// Whether S, its tree and the cut are made for the technique in this target. Those with a target of their
+/// own have their own lights.
+bool uses_light_set(const TechniqueInfo&, Target);
 
 /// The registry; CLI, window, reports and tests all read this.
 std::span<const TechniqueInfo> techniques();

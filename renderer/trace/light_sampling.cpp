@@ -1,7 +1,12 @@
 #include "trace/light_sampling.h"
 
+#include <array>
+#include <span>
+
+#include "core/simd.h"
 #include "core/warp.h"
 #include "lights/emitters.h"
+#include "lights/virtual_light.h"
 
 namespace halflight {
 
@@ -31,43 +36,135 @@ EnvironmentSampler::EnvironmentSampler(const Environment& environment, bool want
   if (!powers.empty()) table_ = PlaneTable(powers, environment.map.width, environment.map.height);
 }
 
-IncidentSample EnvironmentSampler::sample(Vec2 u) const {
-  const PlaneTable::Draw draw = table_.draw(u);
+namespace {
+
+/// Per area of the unit square to per solid angle: sin θ dθ dφ with θ = π v, φ = 2π u.
+float square_to_solid_angle(float pdf, float v) {
+  return pdf / (2 * pi * pi * std::max(std::sin(pi * v), 1e-12f));
+}
+
+}  // namespace
+
+IncidentSample EnvironmentSampler::sample(Vec2 u) const { return incident(table_.draw(u)); }
+
+void EnvironmentSampler::sample(std::span<const Vec2> u, std::span<IncidentSample> out) const {
+  constexpr size_t most_at_once = 16;
+  std::array<PlaneTable::Draw, most_at_once> draws;
+  for (size_t begin = 0; begin < u.size(); begin += most_at_once) {
+    const size_t count = std::min(u.size() - begin, most_at_once);
+    for (size_t i = 0; i < count; ++i) {
+      draws[i] = table_.draw(u[begin + i]);
+      prefetch(&environment_.map.pixels[draws[i].cell]);
+    }
+    for (size_t i = 0; i < count; ++i) out[begin + i] = incident(draws[i]);
+  }
+}
+
+IncidentSample EnvironmentSampler::incident(const PlaneTable::Draw& draw) const {
   const int width = environment_.map.width, row = static_cast<int>(draw.cell) / width;
-  // Uniform over the texel in the unit square; area to solid angle: sin θ dθ dφ with θ = π v, φ = 2π u.
-  const float sin_theta = std::sin(pi * draw.position.y);
   const Vec3 wi = environment_direction(environment_, draw.position);
-  const float pdf = draw.pdf / (2 * pi * pi * std::max(sin_theta, 1e-12f));
+  const float density = square_to_solid_angle(draw.pdf, draw.position.y);
   const Vec3 radiance = environment_.map.at(static_cast<int>(draw.cell) % width, row) * environment_.strength;
-  return {wi, infinity, radiance / pdf};
+  return {wi, infinity, radiance / density, density};
+}
+
+float EnvironmentSampler::pdf(Vec3 wi) const { return met(wi).pdf; }
+
+EnvironmentSampler::Met EnvironmentSampler::met(Vec3 wi) const {
+  if (empty()) return {Vec3(0), 0};
+  const Vec2 uv = environment_uv(environment_, wi);
+  const ImageRgb& map = environment_.map;
+  const int x = std::min(static_cast<int>(uv.x * static_cast<float>(map.width)), map.width - 1),
+            y = std::min(static_cast<int>(uv.y * static_cast<float>(map.height)), map.height - 1);
+  return {map.at(x, y) * environment_.strength, square_to_solid_angle(table_.pdf(uv), uv.y)};
 }
 
 EmitterSampler::EmitterSampler(const Scene& scene, bool wanted) : scene_(scene) {
   if (!wanted) return;
-  std::vector<float> powers;
+  std::vector<float> powers, areas;
   for (const EmissiveTriangle& emitter : emissive_triangles(scene)) {
     triangles_.push_back(emitter.triangle);
     powers.push_back(emitter.power);
+    areas.push_back(emitter.area);
   }
   table_ = DiscreteTable(powers);
+  if (table_.empty()) return;
+  densities_.assign(scene.triangles.size(), 0.0f);
+  for (size_t i = 0; i < triangles_.size(); ++i)
+    densities_[triangles_[i]] = static_cast<float>(table_.probability(i) / areas[i]);
+}
+
+EmitterSampler::Point EmitterSampler::point(float choose, Vec2 u) const {
+  const uint32_t triangle = triangles_[table_.draw(choose).index];
+  return {{triangle, uniform_triangle(u)}, densities_[triangle]};
 }
 
 std::optional<IncidentSample> EmitterSampler::sample(Vec3 x, float choose, Vec2 u) const {
-  const DiscreteTable::Draw draw = table_.draw(choose);
-  const SurfacePoint point{triangles_[draw.index], uniform_triangle(u)};
-  const Vec3 cross = triangle_cross(scene_, point.triangle);
+  const Point drawn = point(choose, u);
+  const Vec3 cross = triangle_cross(scene_, drawn.surface.triangle);
   const float twice_area = glm::length(cross);
-  const Vec3 offset = surface_position(scene_, point) - x;
+  const Vec3 offset = surface_position(scene_, drawn.surface) - x;
   const float distance2 = glm::dot(offset, offset);
-  if (!(distance2 > 0) || !(twice_area > 0)) return {};
+  if (!(distance2 > 0) || !(twice_area > 0) || !(drawn.density > 0)) return {};
   const float distance = std::sqrt(distance2);
   const Vec3 wi = offset / distance;
   const float cos_light = -glm::dot(cross, wi) / twice_area;
-  const Vec3 radiance = covered_emission(scene_, point, cos_light > 0 ? 1 : -1);
+  const Vec3 radiance = covered_emission(scene_, drawn.surface, cos_light > 0 ? 1 : -1);
   if (max_component(radiance) <= 0) return {};
-  // Density per area is P / A; per solid angle P / A · r² / |cos θ'|.
-  const float area_over_probability = 0.5f * twice_area / draw.probability;
-  return IncidentSample{wi, distance, radiance * (area_over_probability * std::abs(cos_light) / distance2)};
+  return IncidentSample{wi, distance, radiance * (std::abs(cos_light) / (drawn.density * distance2)),
+                        area_to_solid_angle(drawn.density, distance, std::abs(cos_light))};
+}
+
+double punctual_power(const PunctualLight& light, float scene_radius) {
+  const double intensity = luminance(light.intensity);
+  constexpr double pi_d = 3.141592653589793;
+  switch (light.kind) {
+    case PunctualKind::directional:
+      return intensity * pi_d * scene_radius * scene_radius;
+    case PunctualKind::spot:
+      return intensity * 2 * pi_d * (1 - std::cos(static_cast<double>(light.outer_cone)));
+    case PunctualKind::point:
+      break;
+  }
+  return intensity * 4 * pi_d;
+}
+
+PunctualSampler::PunctualSampler(const Scene& scene, bool wanted) : scene_(scene) {
+  if (!wanted) return;
+  std::vector<double> powers;
+  double strongest = 0;
+  for (uint32_t i = 0; i < scene.lights.size(); ++i) {
+    if (!(max_component(scene.lights[i].intensity) > 0)) continue;
+    lights_.push_back(i);
+    powers.push_back(punctual_power(scene.lights[i], 0.5f * scene.bounds.diagonal()));
+    strongest = std::max(strongest, powers.back());
+  }
+  // None so weak that it is never looked at: power says nothing about distance.
+  std::vector<float> weights;
+  for (const double power : powers)
+    weights.push_back(static_cast<float>(std::max(strongest > 0 ? power / strongest : 1.0, 1e-3)));
+  table_ = DiscreteTable(weights);
+}
+
+std::optional<IncidentSample> PunctualSampler::sample(Vec3 x, Vec3 normal, RandomStream& random) const {
+  constexpr size_t handful = 8;
+  const bool all = lights_.size() <= handful;
+  LightConnection chosen{};
+  double total = 0, chosen_target = 0;
+  for (size_t i = 0; i < (all ? lights_.size() : handful); ++i) {
+    const DiscreteTable::Draw draw =
+        all ? DiscreteTable::Draw{static_cast<uint32_t>(i), 1, 0} : table_.draw(random.next());
+    const LightConnection link = connect_punctual(scene_.lights[lights_[draw.index]], scene_, x);
+    const double target = static_cast<double>(luminance(link.irradiance)) * glm::dot(normal, link.wi);
+    if (!(target > 0)) continue;
+    // The sum of target / (M P): the normalisation of the target, exact where all lights are candidates.
+    const double share = all ? target : target / (handful * static_cast<double>(draw.probability));
+    total += share;
+    if (random.next() * total < share) chosen = link, chosen_target = target;
+  }
+  if (!(total > 0)) return {};
+  return IncidentSample{chosen.wi, chosen.distance,
+                        chosen.irradiance * static_cast<float>(total / chosen_target), infinity};
 }
 
 }  // namespace halflight

@@ -228,13 +228,4 @@ void RayScene::occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCount
 #endif
 }
 
-ShadowRay shadow_ray(const Scene& scene, Vec3 x, Vec3 geometric_normal, Vec3 wi, float distance) {
-  const float epsilon = surface_epsilon(scene, x);
-  const Vec3 origin = x + geometric_normal * (glm::dot(geometric_normal, wi) >= 0 ? epsilon : -epsilon);
-  // The far end stops short of the light's own surface: by the offset, and by the rounding of a long ray.
-  const float far_distance =
-      distance < infinity ? std::max(distance * (1 - 0x1p-16f) - 4 * epsilon, 0.0f) : infinity;
-  return {origin.x, origin.y, origin.z, 0, wi.x, wi.y, wi.z, 0, far_distance};
-}
-
 }  // namespace halflight

@@ -61,8 +61,30 @@ class RayScene {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Ray from a surface point x (geometric normal on wi's side) towards wi, `distance` long (infinity: to the
-/// end); both ends are kept off the surfaces by `surface_epsilon`.
-ShadowRay shadow_ray(const Scene&, Vec3 x, Vec3 geometric_normal, Vec3 wi, float distance);
+/// Where the rays of a surface point start: off the surface by `surface_epsilon`, on either side of it.
+struct RayOrigin {
+  Vec3 normal;  ///< geometric
+  Vec3 front, back;
+  float epsilon;
+
+  RayOrigin() = default;
+  RayOrigin(const Scene& scene, Vec3 x, Vec3 geometric_normal)
+      : normal(geometric_normal), epsilon(surface_epsilon(scene, x)) {
+    front = x + normal * epsilon, back = x - normal * epsilon;
+  }
+};
+
+/// Ray towards wi, `distance` long (infinity: to the end). The far end stops short of the light's own surface:
+/// by the offset, and by the rounding of a long ray.
+inline ShadowRay shadow_ray(const RayOrigin& from, Vec3 wi, float distance) {
+  const Vec3 origin = glm::dot(from.normal, wi) >= 0 ? from.front : from.back;
+  // Of infinity this leaves infinity.
+  const float far_distance = std::max(distance * (1 - 0x1p-16f) - 4 * from.epsilon, 0.0f);
+  return {origin.x, origin.y, origin.z, 0, wi.x, wi.y, wi.z, 0, far_distance};
+}
+
+inline ShadowRay shadow_ray(const Scene& scene, Vec3 x, Vec3 geometric_normal, Vec3 wi, float distance) {
+  return shadow_ray(RayOrigin(scene, x, geometric_normal), wi, distance);
+}
 
 }  // namespace halflight

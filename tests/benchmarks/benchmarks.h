@@ -7,7 +7,8 @@
 
 namespace halflight {
 
-/// Renders a pass of a scene, then traces the same visibility rays in bare loops; prints both.
+/// Renders a pass of a scene (or of a view, `FILE.json#NAME`), then traces the same visibility rays in bare loops;
+/// prints both.
 void benchmark_rays(const std::string& scene);
 
 /// Prints what the steps before visibility cost on one core.

@@ -13,6 +13,7 @@ namespace {
 int usage() {
   std::cerr
       << "usage: halflight_benchmark rays SCENE...   rays a second in the renderer and in a bare loop\n"
+         "                                        (SCENE may be a view: FILE.json#NAME)\n"
          "       halflight_benchmark steps           cost of tree, cut, importance, draws and counting\n";
   return static_cast<int>(ExitCode::usage);
 }

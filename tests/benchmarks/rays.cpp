@@ -8,6 +8,7 @@
 #include "benchmarks/benchmarks.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "scene/view_file.h"
 #include "session.h"
 
 namespace halflight {
@@ -68,13 +69,23 @@ double best_bare_rate(const Session& session, const RayScene& scene, std::vector
   return best;
 }
 
+/// A scene, or with `FILE.json#NAME` a view and the scene that it names.
+Scene open_named(const std::string& name, Messages& messages) {
+  if (name.find(".json") == std::string::npos) return load_scene(name, {}, messages);
+  const View view = read_view(name);
+  if (!view.scene) throw usage_error(name + ": the view names no scene");
+  Scene scene = load_scene(view.scene->string(), {}, messages);
+  apply_view(scene, view, {}, messages);
+  return scene;
+}
+
 }  // namespace
 
 void benchmark_rays(const std::string& name) {
   Messages messages;
   RenderSettings settings;
   settings.backend = Backend::none;
-  Session session(load_scene(name, {}, messages), settings, messages);
+  Session session(open_named(name, messages), settings, messages);
   const FrameView frame = session.frame();
   const auto technique = find_technique(settings.technique).make();
   technique->prepare(frame);

@@ -156,6 +156,27 @@ TEST(DiscreteTable, DrawsItsWeightsAndNeverAZero) {
   EXPECT_TRUE(DiscreteTable(std::vector<float>(3, 0.0f)).empty());
 }
 
+TEST(DiscreteTable, LongTablesFindTheSameEntryAsASearch) {
+  // Weights over many magnitudes, with gaps, some at the ends: entries wider and narrower than a guide's
+  // share.
+  for (const size_t size : {15u, 16u, 17u, 1000u}) {
+    std::vector<float> weights(size);
+    for (size_t i = 0; i < size; ++i)
+      weights[i] = i % 7 < 2 ? 0.0f : std::exp2(20 * RandomStream(i, 1, size).next() - 10);
+    const DiscreteTable table(weights);
+    double total = 0;
+    for (const float weight : weights) total += weight;
+    for (int i = 0; i < 20000; ++i) {
+      const float u =
+          i < 4096 ? static_cast<float>(i) / 4096 : RandomStream(static_cast<uint64_t>(i), 2, 0).next();
+      double below = 0;
+      size_t entry = 0;
+      while (below + weights[entry] <= static_cast<double>(u) * total) below += weights[entry++];
+      ASSERT_EQ(table.draw(u).index, entry) << size << " " << u;
+    }
+  }
+}
+
 TEST(PlaneTable, DensityIsTheOneItDrawsFrom) {
   const std::vector<float> weights = {1, 0, 4, 2, 0, 0, 0, 0, 0, 3, 1, 5};
   const PlaneTable table(weights, 4, 3);

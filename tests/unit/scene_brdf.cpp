@@ -262,21 +262,46 @@ TEST(SceneBrdf, ggx_of_a_white_metal_never_gains_energy) {
   EXPECT_LE(albedo(ggx(0.5f, 0.5f, Vec3(1), Vec3(0.04f)), 0.3), 1.0);
 }
 
-TEST(SceneBrdf, furnace_weights_average_to_the_albedo) {
+/// Both estimators of BRDF sampling: the whole mixture, and the chosen lobe alone (Křivánek §2.4).
+class FurnaceWeights : public testing::TestWithParam<decltype(&sample)> {};
+
+TEST_P(FurnaceWeights, average_to_the_albedo) {
   for (const Case& c : smooth_cases()) {
     for (double theta : {0.2, 1.2}) {
       const Vec3 wo = direction(theta, 0.3);
-      constexpr int n = 200000;
+      constexpr int n = 100000;
       double sum = 0, squares = 0;
       RandomStream random(7, 8, 9);
       for (int i = 0; i < n; ++i) {
         const float choose = random.next();
-        const auto s = sample(c.brdf, local_basis, wo, choose, random.next2());
+        const auto s = GetParam()(c.brdf, local_basis, wo, choose, random.next2());
         const double weight = s ? double(s->f.x) * s->wi.z / s->pdf : 0.0;
         sum += weight, squares += weight * weight;
       }
       const double mean = sum / n, error = std::sqrt(std::max(0.0, squares / n - mean * mean) / n);
       EXPECT_NEAR(mean, albedo(c.brdf, theta), 4.5 * error + 1e-4) << c.name << " at " << theta;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SceneBrdf, FurnaceWeights, testing::Values(&sample, &sample_chosen_lobe));
+
+TEST(SceneBrdf, chosen_lobe_carries_that_lobe_alone) {
+  // By Křivánek's words: a diffuse draw has ρd/π over P ρd's density, a specular one the lobe's term over P'
+  // its own.
+  const Brdf brdf = phong(30, Vec3(0.3f), Vec3(0.5f));
+  const Vec3 wo = direction(0.7, 0.2);
+  const float p = specular_probability(brdf, local_basis, wo);
+  RandomStream random(4, 4, 4);
+  for (int i = 0; i < 1000; ++i) {
+    const float choose = random.next();
+    const auto s = sample_chosen_lobe(brdf, local_basis, wo, choose, random.next2());
+    if (!s) continue;
+    if (choose < p) {
+      ASSERT_NEAR(s->f.x / s->pdf, 0.5f * 32 / 31 / p, 1e-4f);
+    } else {
+      ASSERT_NEAR(s->f.x, 0.3f / pi, 1e-6f);
+      ASSERT_NEAR(s->pdf, (1 - p) * s->wi.z / pi, 1e-6f);
     }
   }
 }
@@ -354,6 +379,9 @@ TEST(SceneBrdf, sample_agrees_with_pdf_and_evaluate_in_any_basis) {
       ASSERT_NEAR(glm::length(s->wi), 1, 1e-6f);
       ASSERT_FLOAT_EQ(s->pdf, pdf(c.brdf, basis, wo, s->wi)) << c.name;
       ASSERT_FLOAT_EQ(s->f.x, evaluate(c.brdf, basis, wo, s->wi).x) << c.name;
+      const BrdfValue both = evaluate_with_pdf(c.brdf, basis, wo, s->wi);
+      ASSERT_EQ(both.f, evaluate(c.brdf, basis, wo, s->wi)) << c.name;
+      ASSERT_FLOAT_EQ(both.pdf, pdf(c.brdf, basis, wo, s->wi)) << c.name;
       const float p = specular_probability(c.brdf, basis, wo);
       const float mixture =
           p * specular_pdf(c.brdf, basis, wo, s->wi) + (1 - p) * glm::dot(s->wi, basis.normal) / pi;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "film/image_writers.h"
 #include "scene/built_in_scenes.h"
 #include "scene/load.h"
 #include "scene/mesh_builder.h"
@@ -132,6 +133,7 @@ TEST(GlbWriter, BuiltInScenesComeBackAsTheyWere) {
     SCOPED_TRACE(built_in.name);
     const Scene scene = built_in.make();
     const GlbFile file = make_glb(scene, "again");
+    for (const SidePicture& side : file.pictures) folder.write(side.name, radiance_bytes(side.image, {}));
     const Scene again = read_again(file, folder);
     expect_same_geometry(scene, again);
     expect_same_materials(scene, again);

@@ -14,6 +14,12 @@ struct Case {
   std::vector<std::pair<std::string, std::string>> settings;
 };
 
+/// How close to the exact sum a technique's mean can be brought in the time a test has: those that do not
+/// know the BRDF at the leaves are noisier here.
+double affordable_interval(const Case& c) {
+  return c.id == "light-bvh" || c.id == "stochastic-lightcuts" ? 0.01 : 0.005;
+}
+
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.id;
   for (const auto& [key, value] : c.settings) *out << " " << key << "=" << value;
@@ -28,6 +34,12 @@ std::vector<Case> unbiased_cases() {
       cases.push_back({info.id, {}});
   cases.push_back({"bidirectional", {{"bidirectional.brdf-samples", "0"}}});
   cases.push_back({"bidirectional", {{"bidirectional.tau", "1"}, {"bidirectional.alpha", "0.2"}}});
+  cases.push_back({"brdf", {{"brdf.brdf-samples", "0"}}});
+  cases.push_back({"sir", {{"sir.initial", "40"}}});
+  cases.push_back({"mis", {{"mis.brdf-share", "1"}}});
+  cases.push_back({"mis", {{"mis.brdf-share", "0.2"}, {"brdf.brdf-samples", "8"}}});
+  cases.push_back({"stochastic-lightcuts", {{"stochastic-lightcuts.cut", "5"}}});
+  cases.push_back({"stochastic-lightcuts", {{"stochastic-lightcuts.cut", "1024"}}});
   return cases;
 }
 
@@ -150,20 +162,23 @@ TEST_P(TechniqueContract, MeanIsTheExactSum) {
   brdfs.pop_back();  // noise of the sharpest would take too long to average
   const auto distinct = static_cast<uint32_t>(brdfs.size());
   for (const Target target : {Target::discrete, Target::continuous}) {
-    if (target == Target::continuous && find_technique(GetParam().id).target != TargetSupport::both) continue;
+    const TechniqueInfo& info = find_technique(GetParam().id);
+    if (target == Target::continuous && (info.target != TargetSupport::both || info.leaves_s_when_continuous))
+      continue;
     RoomOptions options;
     options.target = target, options.sun = 20;
     Room room(options, brdfs, 50);
     const auto technique = make(GetParam(), room);
 
     // A pilot's variance sets the number of passes: the interval at the level below is half a per cent of the
-    // value.
+    // value, or what can be afforded.
     const double bound = two_sided_bound(sidak_level(0.01, distinct));
     const Estimates pilot = estimate(*technique, room, 1000000, 16);
     double passes = 16;
     for (uint32_t i = 0; i < distinct; ++i) {
       const Pooled pooled(pilot, i, distinct);
-      passes = std::max(passes, 16 * pooled.variance * std::pow(bound / (0.005 * pooled.mean), 2));
+      passes = std::max(passes, 16 * pooled.variance *
+                                    std::pow(bound / (affordable_interval(GetParam()) * pooled.mean), 2));
     }
     ASSERT_LT(passes, 3000) << "too noisy a case for this test";
     const Estimates result = estimate(*technique, room, 0, static_cast<uint32_t>(passes));
@@ -175,7 +190,7 @@ TEST_P(TechniqueContract, MeanIsTheExactSum) {
       const double interval = bound * std::sqrt(pooled.variance) + 1e-5 * truth;  // floats on the way
       ASSERT_GT(truth, 0);
       EXPECT_NEAR(pooled.mean, truth, interval) << "pixel " << i;
-      EXPECT_LT(interval, 0.007 * truth);
+      EXPECT_LT(interval, 1.4 * affordable_interval(GetParam()) * truth);
       for (size_t j = i; j < result.mean.size(); j += distinct)
         squares += std::pow(result.mean[j] - truth, 2) / (result.variance[j] + 1e-10 * truth * truth);
     }
@@ -207,6 +222,20 @@ TEST_P(TechniqueContract, ScalesWithLengthAndLight) {
     for (size_t i = 0; i < scaled.size(); ++i)
       for (int c = 0; c < 3; ++c)
         ASSERT_NEAR(std::ldexp(scaled[i][c], exponent), reference[i][c], 1e-5 * reference[i][c]) << i;
+  }
+}
+
+TEST_P(TechniqueContract, ScalesWithTheFaintestAndTheStrongestLight) {
+  const auto reference = picture(GetParam(), {}, mild_brdfs(), 16);
+  constexpr double denormal = 1e-7;         // 2⁻¹²⁶ of the faintest
+  for (const int exponent : {-100, 100}) {  // about 1e-30 and 1e30
+    RoomOptions options;
+    options.light = std::ldexp(1.0f, exponent);
+    const auto scaled = picture(GetParam(), options, mild_brdfs(), 16);
+    for (size_t i = 0; i < scaled.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(std::ldexp(scaled[i][c], -exponent), reference[i][c], 1e-5 * reference[i][c] + denormal)
+            << i;
   }
 }
 
@@ -287,6 +316,17 @@ TEST_P(TechniqueContract, NoLightIsBlackAndOneLightWorks) {
   Room room(one, mild_brdfs());
   for (uint32_t i = 0; i < mild_brdfs().size(); ++i)  // a single light leaves nothing to chance
     EXPECT_NEAR(lit[i].y, room.exact(i).y, 1e-4 * room.exact(i).y);
+}
+
+TEST(Registry, EveryTechniqueTellsWhatItIs) {
+  for (const TechniqueInfo& info : techniques()) {
+    EXPECT_FALSE(info.title.empty()) << info.id;
+    EXPECT_FALSE(info.source.empty()) << info.id;
+    EXPECT_NE(info.note.find(info.bias == Bias::biased ? "bias" : "unbiased"), std::string_view::npos)
+        << info.id;
+    for (const SettingInfo& setting : info.settings)
+      EXPECT_TRUE(setting.key.starts_with(std::string(info.id) + ".")) << setting.key;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, TechniqueContract, testing::ValuesIn(unbiased_cases()));

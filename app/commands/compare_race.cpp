@@ -1,0 +1,229 @@
+#include "commands/compare_race.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "commands/render_json.h"
+#include "core/stopwatch.h"
+#include "film/metrics.h"
+
+namespace halflight {
+
+namespace {
+
+constexpr uint32_t most_in_a_pass = 64;
+
+uint64_t traced(const SessionStats& stats) { return stats.rays.visibility + stats.rays.closest; }
+
+class Run {
+ public:
+  Run(Session& session, const RunRequest& request, std::stop_token stop)
+      : session_(session), request_(request), stop_(std::move(stop)) {
+    session_.set_settings(request.settings);
+    restart();
+  }
+
+  void restart() {
+    session_.start_over();
+    wall_ = cpu_ = 0;
+    done_ = 0;
+    cost_ = request_.cost;
+    free_ = false;
+  }
+
+  /// Runs the next pass towards `budget`; false when there is no room for one.
+  bool step(double budget);
+  double spent() const;
+  RaceSnapshot snapshot(uint32_t checkpoint, const ReferencePicture&) const;
+  bool stopped() const { return stop_.stop_requested(); }
+  PassCost measure();
+
+ private:
+  uint32_t next_samples(double budget) const;
+  void pass(uint32_t samples);
+  void learn(double cost, uint32_t samples);
+  double pixels() const { return static_cast<double>(request_.settings.width) * request_.settings.height; }
+
+  Session& session_;
+  const RunRequest& request_;
+  std::stop_token stop_;
+  double wall_ = 0, cpu_ = 0;
+  uint32_t done_ = 0;  ///< samples a pixel
+  PassCost cost_;
+  bool free_ = false;  ///< a pass cost nothing of what is shared out: there is no end to wait for
+};
+
+double Run::spent() const {
+  switch (request_.equal) {
+    case Equal::time:
+      return wall_;
+    case Equal::samples:
+      return done_;
+    default:
+      return static_cast<double>(traced(session_.stats())) / pixels();
+  }
+}
+
+/// Samples a pixel of the next pass; 0: the budget has no room for half a pass of one.
+uint32_t Run::next_samples(double budget) const {
+  if (request_.equal == Equal::samples) {
+    const auto total = static_cast<uint32_t>(budget);
+    const uint32_t most = std::max(1u, total / request_.least_passes);
+    return std::min({session_.round_samples(total), most, total - std::min(done_, total)});
+  }
+  if (free_) return 0;
+  if (!cost_.known()) return spent() < budget || done_ == 0 ? 1 : 0;
+  const double left = budget - spent() - (done_ == 0 ? cost_.start : 0);
+  if (done_ > 0 && left < 0.5 * (cost_.pass + cost_.sample)) return 0;
+  // Enough samples to be worth what a pass costs. In the discrete target they may be as many as there are
+  // already; in the continuous one those of a pass share S and the pixel grid, and more passes are worth more
+  // than larger ones.
+  const double grown = session_.plan().antialiased ? 1.0 : std::max(1.0, static_cast<double>(done_));
+  const double worth = std::max(grown, cost_.pass / cost_.sample);
+  const double most = std::min<double>(worth, most_in_a_pass);
+  const double fit = std::max(1.0, (left - cost_.pass) / cost_.sample);
+  if (fit <= most) return static_cast<uint32_t>(fit);
+  const double passes = std::ceil(left / (cost_.pass + cost_.sample * most));
+  return static_cast<uint32_t>(std::clamp((left / passes - cost_.pass) / cost_.sample, 1.0, most));
+}
+
+bool Run::step(double budget) {
+  if (stopped()) return false;
+  const uint32_t samples = next_samples(budget);
+  if (samples == 0) return false;
+  pass(samples);
+  return !stopped();
+}
+
+void Run::pass(uint32_t samples) {
+  const double before = spent(), cpu = process_cpu_seconds();
+  const Stopwatch watch;
+  session_.run_pass(samples, 1, 0, stop_);
+  wall_ += watch.seconds();
+  cpu_ += process_cpu_seconds() - cpu;
+  if (!stopped()) learn(spent() - before, samples);
+  done_ += samples;
+}
+
+/// Costs follow the machine: all of them by the share that the last pass was off by.
+void Run::learn(double cost, uint32_t samples) {
+  free_ = !(cost > 0);
+  if (free_) return;
+  if (!cost_.known()) cost_ = {0, 0, cost / samples};
+  const double expected = cost_.pass + cost_.sample * samples + (done_ == 0 ? cost_.start : 0);
+  const double factor = std::clamp(cost / expected, 0.5, 2.0);
+  cost_ = {cost_.start * factor, cost_.pass * factor, cost_.sample * factor};
+}
+
+PassCost Run::measure() {
+  constexpr uint32_t many = 8;
+  std::array<double, 3> cost{};
+  for (size_t i = 0; i < cost.size() && !free_; ++i) {
+    const double before = spent();
+    pass(i + 1 < cost.size() ? 1 : many);
+    cost[i] = spent() - before;
+  }
+  PassCost result;
+  if (free_ || request_.equal == Equal::samples) return result;
+  result.sample = std::max((cost[2] - cost[1]) / (many - 1), 0.01 * cost[1]);
+  result.pass = std::max(cost[1] - result.sample, 0.0);
+  result.start = std::max(cost[0] - cost[1], 0.0);
+  return result;
+}
+
+RaceSnapshot Run::snapshot(uint32_t checkpoint, const ReferencePicture& reference) const {
+  RaceSnapshot s;
+  s.checkpoint = checkpoint;
+  s.budget = request_.budgets[checkpoint];
+  s.wall_seconds = wall_, s.cpu_seconds = cpu_;
+  s.spp = session_.film().mean_samples();
+  s.rays = traced(session_.stats());
+  const ErrorMetrics metrics = measure_radiance_error(session_.film().image(), reference.image);
+  s.relmse = metrics.relmse, s.relmse_trimmed = metrics.relmse_trimmed;
+  s.rmse = metrics.rmse, s.smape = metrics.smape;
+  if (!reference.variance.pixels.empty()) {
+    // E[(x−r)²] = E[(x−E r)²] + Var(r) (ESTIMATORS, "How an estimator is tested").
+    const double own = reference_relmse(reference).value_or(0);
+    s.relmse -= own, s.relmse_trimmed -= own;
+    double variance = 0;
+    for (const Vec3& v : reference.variance.pixels) variance += (static_cast<double>(v.x) + v.y + v.z) / 3;
+    variance /= static_cast<double>(reference.variance.pixels.size());
+    s.rmse = std::sqrt(std::max(0.0, s.rmse * s.rmse - variance));
+  }
+  return s;
+}
+
+}  // namespace
+
+std::optional<double> reference_relmse(const ReferencePicture& reference) {
+  if (reference.facts.exact) return 0.0;
+  if (reference.variance.pixels.empty()) return {};
+  double mean = 0, sum = 0;
+  for (const Vec3& r : reference.image.pixels)
+    if (is_finite(r)) mean += (static_cast<double>(r.x) + r.y + r.z) / 3;
+  const auto count = static_cast<double>(reference.image.pixels.size());
+  const double floor2 = std::pow(0.01 * mean / count, 2);
+  for (size_t i = 0; i < reference.image.pixels.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const double r = reference.image.pixels[i][c], v = reference.variance.pixels[i][c];
+      if (v > 0) sum += v / (r * r + floor2) / 3;
+    }
+  }
+  return sum / count;
+}
+
+PassCost measure_cost(Session& session, const RunRequest& request) {
+  return Run(session, request, {}).measure();
+}
+
+RaceRun run_race(Session& session, const RunRequest& request, const ReferencePicture& reference,
+                 std::stop_token stop, const std::function<void(double)>& on_pass,
+                 const std::function<void(const Film&)>& keep_last) {
+  RaceRun result;
+  result.seed = request.settings.seed;
+  Run run(session, request, std::move(stop));
+  const double total = request.progressive
+                           ? request.budgets.back()
+                           : std::accumulate(request.budgets.begin(), request.budgets.end(), 0.0);
+  double finished = 0;
+  for (uint32_t c = 0; c < request.budgets.size(); ++c) {
+    const double budget = request.budgets[c];
+    if (!request.progressive && c > 0) run.restart();
+    bool moved = false;
+    while (run.step(budget)) {
+      moved = true;
+      if (on_pass) on_pass(std::min(1.0, (finished + run.spent()) / total));
+    }
+    if (run.stopped()) return result;
+    if (!request.progressive) finished += budget;
+    // Passes are whole pictures: what they made counts at the budget that it came nearest to.
+    const auto reached = [&](uint32_t at) {
+      return run.spent() > std::sqrt(request.budgets[at - 1] * request.budgets[at]);
+    };
+    if (request.progressive && c + 1 < request.budgets.size() && reached(c + 1)) continue;
+    if (!moved && !(request.progressive && c > 0 && reached(c))) continue;
+    result.snapshots.push_back(run.snapshot(c, reference));
+  }
+  if (keep_last && !result.snapshots.empty()) keep_last(session.film());
+  result.complete = true;
+  return result;
+}
+
+HarnessCost run_null(Session& session, const RenderSettings& settings) {
+  constexpr int passes = 8;
+  HarnessCost cost;
+  RenderSettings null = settings;
+  null.technique = "null";
+  session.set_settings(null);
+  session.start_over();
+  Stopwatch watch;
+  session.run_pass(1, 1, 0);
+  cost.preparation_seconds = watch.lap();
+  for (int i = 0; i < passes; ++i) session.run_pass(1, 1, 0);
+  cost.pass_seconds = watch.lap() / passes;
+  return cost;
+}
+
+}  // namespace halflight

@@ -1,0 +1,32 @@
+// Who races in which target, and what the options say of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "options.h"
+#include "report/race.h"
+
+namespace halflight {
+
+struct RaceEntry {
+  const TechniqueInfo* info;
+  std::string why_preview;  ///< empty: it is ranked
+};
+
+struct RaceSetup {
+  Target target;
+  std::vector<RaceEntry> entries;
+  std::vector<LeftOut> left_out;  ///< of `all`
+  bool named = false;             ///< techniques were asked for by name: one that fails is an error
+};
+
+/// From --techniques and --target. Throws Error (exit code 2): an unknown name, a technique named that cannot
+/// run in the target, budgets that do not increase or do not suit --equal.
+RaceSetup set_up_race(const Options&);
+
+/// The technique that makes the continuous target's reference: the first of the race that is unbiased there,
+/// the program's default one before others.
+const TechniqueInfo& reference_technique_of(const RaceSetup&);
+
+}  // namespace halflight

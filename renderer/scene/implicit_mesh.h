@@ -1,0 +1,27 @@
+// Meshes of surfaces given as the zeros of a field, for the built-in scenes' sculptures.
+#pragma once
+
+#include "scene/mesh_builder.h"
+
+namespace halflight {
+
+/// A signed distance or a lower bound of one: negative inside, changing by at most 1 a unit of length (a
+/// little more does no harm).
+using Field = std::function<float(Vec3)>;
+
+/// The surface `field` = 0 within `box` by surface nets (Gibson 1998) on cubes of side `cell`: a vertex a
+/// cube that the surface passes, at the mean of its crossings with the cube's edges; normals are the field's
+/// gradient. Fronts look outside; closed where the surface does not leave the box. Calls the field on several
+/// threads at once.
+Mesh implicit_mesh(const Field& field, const Aabb& box, float cell);
+
+/// Distance to an ellipsoid with its axes along the coordinates', to first order (exact on the surface).
+float ellipsoid_distance(Vec3 p, Vec3 centre, Vec3 radii);
+
+/// Distance to a straight rod with round ends, of radius `ra` at a and `rb` at b.
+float rod_distance(Vec3 p, Vec3 a, Vec3 b, float ra, float rb);
+
+/// The lesser of two distances, rounded where they differ by less than `width`: a union with a fillet.
+float blend_union(float a, float b, float width);
+
+}  // namespace halflight

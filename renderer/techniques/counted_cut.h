@@ -1,0 +1,46 @@
+// The distribution over a cut that knows the BRDF: an analytic product with the lobe's counted rays mixed in
+// (ESTIMATORS: "Repaired form"). Over the illumination cut it is Wang & Åkerlund's bidirectional sampling,
+// over a cut of equal radiances BRDF sampling alone.
+#pragma once
+
+#include "lights/cut_counting.h"
+#include "lights/cut_distribution.h"
+#include "scene/gbuffer.h"
+#include "techniques/settings.h"
+
+namespace halflight {
+
+struct CountedCutParameters {
+  uint32_t ray_count;  ///< N_ρ; at most RayBundle::capacity
+  float tau;           ///< weight of the analytic estimate, in rays
+  float alpha;         ///< share of draws that ignore the BRDF
+};
+
+/// `ray_count` directions of the specular lobe; those below the horizon are lost, as their light is.
+void shoot_lobe_rays(const GBufferTexel&, uint32_t ray_count, RandomStream&, RayBundle&);
+
+/// A LightSampler (techniques/pixel_loop.h): q̂_k = l_k [k_s ŝ_k + (k_d/π) cos θ_k Ω_k], ŝ_k = (N_k + τ
+/// g_k)/(N_ρ + τ), g_k > 0 the lobe's analytic mass in the cluster; a ray that meets m boxes adds 1/m to
+/// each; q = (1 − α) q̂/Σq̂ + α u, u_k ∝ Φ_k/(r_k² + R_k²); leaves ∝ Φ_i. With α > 0 no lit leaf has
+/// probability 0.
+class CountedCut {
+ public:
+  /// The cut must outlive it.
+  CountedCut(const Cut&, const CountedCutParameters&);
+
+  bool begin_pixel(const GBufferTexel&, RandomStream&);
+  void draw(RandomStream& random, std::span<LightSample> out) const {
+    distribution_.draw(*cut_, random, out);
+  }
+  const CutDistribution& distribution() const { return distribution_; }
+
+ private:
+  const Cut* cut_;
+  CountedCutParameters parameters_;
+  CutDistribution distribution_;
+  ClusterCounter counter_;
+  RayBundle rays_;
+  std::vector<float> guard_, arriving_;
+};
+
+}  // namespace halflight

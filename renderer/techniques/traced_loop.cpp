@@ -1,0 +1,366 @@
+#include "techniques/traced_loop.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace halflight {
+
+namespace {
+
+/// Points of the R3 sequence (Roberts 2018), moved by a random shift: each is uniform in the cube, and
+/// together they are spread evenly. Whole numbers, so that long sequences lose nothing.
+class ShiftedLattice {
+ public:
+  explicit ShiftedLattice(RandomStream& random) {
+    const uint64_t bits = random.next_bits();
+    x_ = static_cast<uint32_t>(bits >> 32), y_ = static_cast<uint32_t>(bits);
+    z_ = static_cast<uint32_t>(random.next_bits() >> 32);
+  }
+
+  void advance() { x_ += 0xd1b54a33u, y_ += 0xabc98388u, z_ += 0x8cb92ba7u; }
+  /// The dimension that chooses among lobes or lights, and the two inside what was chosen.
+  float choose() const { return to_unit_float(z_); }
+  double choose_finely() const { return static_cast<double>(z_) * 0x1p-32; }
+  Vec2 place() const { return {to_unit_float(x_), to_unit_float(y_)}; }
+
+ private:
+  uint32_t x_, y_, z_;
+};
+
+void prefetch_corners(const Scene& scene, uint32_t triangle) {
+  const UVec3 corners = scene.triangles[triangle];
+  for (int i = 0; i < 3; ++i) prefetch(&scene.vertices[corners[i]]);
+}
+
+}  // namespace
+
+DrawAllocation::DrawAllocation(const Shares& shares, uint32_t samples) {
+  const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
+  if (!(total > 0)) return;
+  std::array<double, draw_kind_count> ideal, whole;
+  for (size_t k = 0; k < draw_kind_count; ++k) {
+    ideal[k] = samples * (shares[k] / total);
+    whole[k] = std::floor(ideal[k]);
+  }
+  // The largest remainders get what rounding down left.
+  std::array<size_t, draw_kind_count> order;
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return ideal[a] - whole[a] > ideal[b] - whole[b]; });
+  const double left = samples - std::accumulate(whole.begin(), whole.end(), 0.0);
+  for (size_t i = 0; i < draw_kind_count && static_cast<double>(i) < left; ++i)
+    if (shares[order[i]] > 0) whole[order[i]] += 1;
+  bool each_has_one = true;
+  for (size_t k = 0; k < draw_kind_count; ++k) each_has_one &= shares[k] <= 0 || whole[k] >= 1;
+  const auto& chosen = each_has_one ? whole : ideal;
+  for (size_t k = 0; k < draw_kind_count; ++k) {
+    expected_[k] = static_cast<float>(chosen[k]);
+    prefix_[k + 1] = prefix_[k] + chosen[k];
+  }
+  prefix_.back() = samples;  // the sum of shares may miss it by a rounding
+}
+
+std::array<uint32_t, draw_kind_count> DrawAllocation::counts(float u) const {
+  // Systematic sampling: the points j + u along the kinds' shares. Whole shares hold that many of them
+  // always.
+  std::array<uint32_t, draw_kind_count> result;
+  const auto points_below = [&](double end) {
+    return static_cast<uint32_t>(std::max(0.0, std::ceil(end - static_cast<double>(u))));
+  };
+  for (size_t k = 0; k < draw_kind_count; ++k)
+    result[k] = points_below(prefix_[k + 1]) - points_below(prefix_[k]);
+  return result;
+}
+
+TracedWorker::TracedWorker(const FrameView& frame, const PassRequest& request, Film& film,
+                           const LightSources& lights, const TracedParameters& parameters,
+                           std::array<uint32_t, 2> samples)
+    : frame_(frame),
+      request_(request),
+      film_(film),
+      lights_(lights),
+      brdf_estimator_(parameters.brdf_estimator),
+      split_(split_samples(request)),
+      allocations_{DrawAllocation(parameters.shares, samples[0]),
+                   DrawAllocation(parameters.shares, samples[1])} {
+  for (std::vector<ShadowRay>* rays : {&rays_, &bounce_rays_}) rays->reserve(most_rays);
+  for (std::vector<Waiting>* waiting : {&waiting_, &bounce_waiting_}) waiting->reserve(most_rays);
+  bounces_.reserve(most_rays);
+}
+
+bool TracedWorker::open(uint32_t pixel) {
+  ++stats_.pixels;
+  texel_ = &frame_.gbuffer->texels[pixel];
+  const OpenPixel opened{pixel, {}};
+  if (!texel_->hit() || texel_->brdf.black() || !(max_component(texel_->throughput) > 0)) {
+    add_to_film(opened);
+    return false;
+  }
+  basis_ = texel_->basis();
+  origin_ = RayOrigin(*frame_.scene, texel_->position, texel_->geometric_normal);
+  open_[open_count_] = opened;
+  return true;
+}
+
+void TracedWorker::draw(int half, RandomStream& random, float scale) {
+  allocation_ = &allocations_[static_cast<size_t>(half)];
+  slot_ = 2 * open_count_ + static_cast<uint32_t>(half);
+  scale_ = scale;
+  const auto counts = allocation_->counts(random.next());
+  const auto count = [&](DrawKind kind) { return counts[static_cast<size_t>(kind)]; };
+  draw_brdf_rays(count(DrawKind::brdf), random);
+  draw_environment(count(DrawKind::environment), random);
+  draw_emitters(count(DrawKind::emitters), random);
+  draw_surfaces(count(DrawKind::surfaces), random);
+  draw_punctual(count(DrawKind::punctual), random);
+}
+
+void TracedWorker::draw_brdf_rays(uint32_t count, RandomStream& random) {
+  const auto draw_lobe = brdf_estimator_ == BrdfEstimator::whole ? sample : sample_chosen_lobe;
+  ShiftedLattice lattice(random);
+  for (uint32_t j = 0; j < count; ++j, lattice.advance()) {
+    const auto drawn = draw_lobe(texel_->brdf, basis_, texel_->wo, lattice.choose(), lattice.place());
+    // Light from below the surface itself is in its own shadow, whatever the shading normal says.
+    if (!drawn || !(glm::dot(texel_->geometric_normal, drawn->wi) > 0)) continue;
+    const Vec3 reflected = drawn->f * (glm::dot(texel_->shading_normal, drawn->wi) / drawn->pdf * scale_);
+    if (max_component(reflected) > 0) trace_brdf_ray({drawn->wi, drawn->pdf, reflected, {}}, random);
+  }
+  finish_hits(random);
+}
+
+void TracedWorker::trace_brdf_ray(BrdfRay ray, RandomStream& random) {
+  const LightKinds& kinds = frame_.kinds;
+  const ShadowRay probe = shadow_ray(origin_, ray.wi, infinity);
+  // Where only the environment is looked for, nothing needs to be known of what is in the way.
+  const bool needs_hit = kinds.emitters || kinds.surfaces;
+  if (needs_hit) {
+    const uint64_t start = ticks_now();
+    const bool met = frame_.rays->intersect({probe.origin_x, probe.origin_y, probe.origin_z}, ray.wi, 0,
+                                            infinity, frame_.alpha_seed, ray.hit, stats_.rays);
+    visibility_ticks_ += ticks_now() - start;
+    if (met) {
+      // What was hit lies anywhere in memory; it is looked at some rays later.
+      prefetch(&frame_.scene->triangles[ray.hit.point.triangle]);
+      hits_[hit_count_++] = ray;
+      if (hit_count_ == hits_.size()) finish_hits(random);
+      return;
+    }
+  }
+  if (!kinds.environment) return;
+  const MetLight light = met_environment(lights_, ray.wi);
+  const Vec3 value = ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::environment);
+  if (needs_hit)
+    open_[open_count_].sum[slot_ % 2] += value;
+  else
+    push(probe, value, no_bounce);
+}
+
+void TracedWorker::finish_hits(RandomStream& random) {
+  const Scene& scene = *frame_.scene;
+  for (size_t i = 0; i < hit_count_; ++i) prefetch_corners(scene, hits_[i].hit.point.triangle);
+  for (size_t i = 0; i < hit_count_; ++i) {
+    const BrdfRay& ray = hits_[i];
+    if (frame_.kinds.emitters) {
+      const MetLight light = met_emission(lights_, ray.hit, ray.wi);
+      if (max_component(light.radiance) > 0)
+        open_[open_count_].sum[slot_ % 2] +=
+            ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::emitters);
+    }
+    if (!frame_.kinds.surfaces) continue;
+    if (const auto place = bounce_place(scene, ray.hit.point, ray.wi)) {
+      const float weight = weigh(ray, place->pdf(lights_, ray.hit.distance), DrawKind::surfaces);
+      light_bounce(*place, ray.reflected * weight, slot_, random.next_bits());
+    }
+  }
+  hit_count_ = 0;
+}
+
+float TracedWorker::weigh(const BrdfRay& ray, float light_pdf, DrawKind kind) const {
+  return balance_over_n(expected(DrawKind::brdf), ray.pdf, expected(kind), light_pdf);
+}
+
+void TracedWorker::add_light_sample(const IncidentSample& light, DrawKind kind) {
+  const float cosine = glm::dot(texel_->shading_normal, light.wi);
+  if (!(cosine > 0) || !(glm::dot(texel_->geometric_normal, light.wi) > 0)) return;
+  const BrdfValue brdf = evaluate_with_pdf(texel_->brdf, basis_, texel_->wo, light.wi);
+  const float rays = kind == DrawKind::punctual ? 0 : expected(DrawKind::brdf);
+  const float weight = balance_over_n(expected(kind), light.pdf, rays, brdf.pdf) * scale_;
+  push(shadow_ray(origin_, light.wi, light.distance), brdf.f * cosine * (light.radiance_over_pdf * weight),
+       no_bounce);
+}
+
+void TracedWorker::draw_environment(uint32_t count, RandomStream& random) {
+  if (count == 0 || lights_.environment.empty()) return;
+  ShiftedLattice lattice(random);
+  constexpr uint32_t most_at_once = 16;
+  std::array<Vec2, most_at_once> places;
+  std::array<IncidentSample, most_at_once> samples;
+  for (uint32_t begin = 0; begin < count; begin += most_at_once) {
+    const uint32_t end = std::min(count - begin, most_at_once);
+    for (uint32_t j = 0; j < end; ++j, lattice.advance()) places[j] = lattice.place();
+    lights_.environment.sample({places.data(), end}, {samples.data(), end});
+    for (uint32_t j = 0; j < end; ++j) add_light_sample(samples[j], DrawKind::environment);
+  }
+}
+
+void TracedWorker::draw_emitters(uint32_t count, RandomStream& random) {
+  if (count == 0 || lights_.emitters.empty()) return;
+  ShiftedLattice lattice(random);
+  for (uint32_t j = 0; j < count; ++j, lattice.advance())
+    if (const auto light = lights_.emitters.sample(texel_->position, lattice.choose(), lattice.place()))
+      add_light_sample(*light, DrawKind::emitters);
+}
+
+void TracedWorker::draw_punctual(uint32_t count, RandomStream& random) {
+  if (lights_.punctual.empty()) return;
+  for (uint32_t j = 0; j < count; ++j)
+    if (const auto light = lights_.punctual.sample(texel_->position, texel_->shading_normal, random))
+      add_light_sample(*light, DrawKind::punctual);
+}
+
+void TracedWorker::draw_surfaces(uint32_t count, RandomStream& random) {
+  if (count == 0 || !(lights_.surfaces.area() > 0)) return;
+  const Scene& scene = *frame_.scene;
+  ShiftedLattice lattice(random);
+  // Triangles lie anywhere in memory: a few are asked for at once, first their indices and then their
+  // corners.
+  constexpr uint32_t most_at_once = 16;
+  std::array<SurfacePoint, most_at_once> points;
+  for (uint32_t begin = 0; begin < count; begin += most_at_once) {
+    const uint32_t end = std::min(count - begin, most_at_once);
+    for (uint32_t j = 0; j < end; ++j, lattice.advance()) {
+      points[j] = lights_.surfaces.at(lattice.choose_finely(), lattice.place());
+      prefetch(&scene.triangles[points[j].triangle]);
+    }
+    for (uint32_t j = 0; j < end; ++j) prefetch_corners(scene, points[j].triangle);
+    for (uint32_t j = 0; j < end; ++j) add_surface_sample(points[j], random);
+  }
+}
+
+void TracedWorker::add_surface_sample(SurfacePoint surface, RandomStream& random) {
+  const Scene& scene = *frame_.scene;
+  const Vec3 offset = surface_position(scene, surface) - texel_->position;
+  const float distance2 = glm::dot(offset, offset);
+  if (!(distance2 > 0)) return;
+  const float distance = std::sqrt(distance2);
+  const Vec3 wi = offset / distance;
+  const float cosine = glm::dot(texel_->shading_normal, wi);
+  if (!(cosine > 0) || !(glm::dot(texel_->geometric_normal, wi) > 0)) return;
+  const std::optional<BouncePlace> place = bounce_place(scene, surface, wi);
+  if (!place || !(place->cos_light > 0)) return;
+  const BrdfValue brdf = evaluate_with_pdf(texel_->brdf, basis_, texel_->wo, wi);
+  const float pdf = place->pdf(lights_, distance);
+  const float weight = balance_over_n(expected(DrawKind::surfaces), pdf, expected(DrawKind::brdf), brdf.pdf);
+  const Vec3 value = brdf.f * (cosine / pdf * weight * scale_ * surface_alpha(scene, surface));
+  if (!(max_component(value) > 0)) return;
+  bounces_.push_back({*place, random.next_bits()});
+  push(shadow_ray(origin_, wi, distance), value, static_cast<uint32_t>(bounces_.size() - 1));
+}
+
+void TracedWorker::push(const ShadowRay& ray, Vec3 value, uint32_t bounce) {
+  if (!(max_component(value) > 0)) return;
+  rays_.push_back(ray);
+  waiting_.push_back({value, slot_, bounce});
+  if (rays_.size() == most_rays) trace_first();
+}
+
+void TracedWorker::add_ray(const ShadowRay& ray, Vec3 value, int half) {
+  slot_ = 2 * open_count_ + static_cast<uint32_t>(half);
+  push(ray, value, no_bounce);
+}
+
+void TracedWorker::light_bounce(const BouncePlace& place, Vec3 value, uint32_t slot, uint64_t key) {
+  const Vec3 returned = value * bounce_reflection(*frame_.scene, place);
+  if (!(max_component(returned) > 0)) return;
+  RandomStream random(key, 0, 0);
+  draw_irradiance(lights_, place, random, [&](const ShadowRay& ray, Vec3 irradiance) {
+    bounce_rays_.push_back(ray);
+    bounce_waiting_.push_back({returned * irradiance, slot, no_bounce});
+  });
+  if (bounce_rays_.size() + most_irradiance_rays > most_rays) trace_second();
+}
+
+template <class Arrive>
+void TracedWorker::trace(std::vector<ShadowRay>& rays, Arrive&& arrive) {
+  const uint64_t start = ticks_now();
+  stats_.useful_rays += rays.size();
+  if (request_.watch_rays) request_.watch_rays(rays);
+  frame_.rays->occluded(rays, frame_.alpha_seed, stats_.rays);
+  visibility_ticks_ += ticks_now() - start;
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (!rays[i].blocked()) arrive(i);
+  rays.clear();
+}
+
+void TracedWorker::trace_first() {
+  trace(rays_, [&](size_t i) {
+    const Waiting& waiting = waiting_[i];
+    if (waiting.bounce == no_bounce) {
+      open_[waiting.slot / 2].sum[waiting.slot % 2] += waiting.value;
+    } else {
+      const WaitingBounce& bounce = bounces_[waiting.bounce];
+      light_bounce(bounce.place, waiting.value, waiting.slot, bounce.key);
+    }
+  });
+  waiting_.clear();
+  bounces_.clear();
+}
+
+void TracedWorker::trace_second() {
+  trace(bounce_rays_, [&](size_t i) {
+    const Waiting& waiting = bounce_waiting_[i];
+    open_[waiting.slot / 2].sum[waiting.slot % 2] += waiting.value;
+  });
+  bounce_waiting_.clear();
+}
+
+void TracedWorker::close() {
+  ++open_count_;
+  if (rays_.size() + bounce_rays_.size() >= enough_rays || open_count_ == most_pixels) finish();
+}
+
+void TracedWorker::finish() {
+  if (!rays_.empty()) trace_first();
+  if (!bounce_rays_.empty()) trace_second();
+  const uint64_t start = ticks_now();
+  for (uint32_t i = 0; i < open_count_; ++i) add_to_film(open_[i]);
+  open_count_ = 0;
+  resolve_ticks_ += ticks_now() - start;
+}
+
+void TracedWorker::add_to_film(const OpenPixel& pixel) {
+  const Vec3 base = frame_.base ? (*frame_.base)[pixel.index] : Vec3(0);
+  const Vec3d throughput(frame_.gbuffer->texels[pixel.index].throughput);
+  for (int half = 0; half < 2; ++half)
+    if (split_[half] > 0)
+      film_.add(pixel.index, half, base + Vec3(throughput * pixel.sum[half]), split_[half]);
+}
+
+void TracedWorker::begin_tile() {
+  tile_watch_ = Stopwatch();
+  tile_start_ticks_ = ticks_now();
+  visibility_ticks_ = resolve_ticks_ = 0;
+}
+
+void TracedWorker::end_tile() {
+  const auto ticks = static_cast<double>(std::max<uint64_t>(ticks_now() - tile_start_ticks_, 1));
+  const double seconds = tile_watch_.seconds(), unit = seconds / ticks;
+  const double visibility = static_cast<double>(visibility_ticks_) * unit,
+               resolve = static_cast<double>(resolve_ticks_) * unit;
+  stats_.visibility_seconds += visibility;
+  stats_.resolve_seconds += resolve;
+  stats_.sampling_seconds += std::max(seconds - visibility - resolve, 0.0);
+}
+
+PassStats run_traced_pass(const FrameView& frame, const PassRequest& request, Film& film,
+                          const LightSources& lights, const TracedParameters& parameters) {
+  const std::array<uint32_t, 2> split = split_samples(request);
+  return run_traced_tiles(
+      frame, request, [&] { return TracedWorker(frame, request, film, lights, parameters, split); },
+      [&](TracedWorker& worker, uint32_t, RandomStream& random) {
+        for (int half = 0; half < 2; ++half)
+          if (split[half] > 0) worker.draw(half, random);
+      });
+}
+
+}  // namespace halflight

@@ -1,0 +1,103 @@
+// S, its tree and the cut are made for techniques that use them, and for no other.
+#include <gtest/gtest.h>
+
+#include "session.h"
+
+namespace halflight {
+namespace {
+
+RenderSettings small(const std::string& technique, std::optional<Target> target) {
+  RenderSettings settings;
+  settings.technique = technique, settings.target = target;
+  settings.width = 16, settings.height = 12;
+  settings.backend = Backend::none;
+  settings.values.set("lights.count", "512");
+  return settings;
+}
+
+const PlanStage& stage(const Plan& plan, std::string_view name) {
+  for (const PlanStage& s : plan.stages)
+    if (s.stage == name) return s;
+  throw std::runtime_error("no such stage");
+}
+
+void expect_left_out(Session& session) {
+  for (int round = 0; round < 3; ++round) session.run_pass(4, 1, 0);
+  EXPECT_EQ(session.stats().light_count, 0u);
+  EXPECT_EQ(session.stats().cut_size, 0u);
+  EXPECT_EQ(session.stats().seconds.lights, 0);
+  EXPECT_EQ(session.frame().tree->lights.size(), 0u);
+  EXPECT_EQ(session.frame().cut->size, 0u);
+  EXPECT_FALSE(session.plan().light_set);
+  for (const char* name : {"light tree and cut", "surface points", "emitter points", "brdf rays"}) {
+    EXPECT_FALSE(stage(session.plan(), name).runs) << name;
+    EXPECT_NE(stage(session.plan(), name).why.find("needs no S"), std::string::npos) << name;
+  }
+  EXPECT_GT(session.film().mean_radiance().y, 0);
+}
+
+void expect_made(Session& session) {
+  session.run_pass(4, 1, 0);
+  EXPECT_GT(session.stats().light_count, 0u);
+  EXPECT_GT(session.stats().cut_size, 0u);
+  EXPECT_GT(session.stats().seconds.lights, 0);
+  EXPECT_TRUE(stage(session.plan(), "light tree and cut").runs);
+}
+
+TEST(LightSet, IsLeftOutForTechniquesThatFollowRays) {
+  for (const auto& [id, target] : {std::pair<const char*, std::optional<Target>>{"mis", Target::continuous},
+                                   {"brdf", Target::continuous},
+                                   {"instant", std::nullopt}}) {
+    SCOPED_TRACE(id);
+    Messages messages;
+    Session session(load_scene("cornell", {}, messages), small(id, target), messages);
+    expect_left_out(session);
+  }
+}
+
+TEST(LightSet, IsMadeForTechniquesThatDrawFromIt) {
+  for (const auto& [id, target] : {std::pair{"mis", Target::discrete},
+                                   {"brdf", Target::discrete},
+                                   {"bidirectional", Target::continuous}}) {
+    SCOPED_TRACE(id);
+    Messages messages;
+    Session session(load_scene("cornell", {}, messages), small(id, target), messages);
+    expect_made(session);
+  }
+}
+
+TEST(LightSet, ComesAndGoesWithTheTechnique) {
+  Messages messages;
+  Session session(load_scene("cornell", {}, messages), small("bidirectional", Target::continuous), messages);
+  expect_made(session);
+  session.set_settings(small("mis", Target::continuous));
+  expect_left_out(session);
+  session.set_settings(small("mis", Target::discrete));
+  expect_made(session);
+  session.set_settings(small("instant", std::nullopt));
+  expect_left_out(session);
+}
+
+TEST(LightSet, EditedLightsReachTechniquesWithoutIt) {
+  for (const char* id : {"mis", "brdf", "instant"}) {
+    Messages messages;
+    RenderSettings settings = small(id, std::nullopt);
+    settings.target = Target::continuous;
+    settings.light = LightSelection::indirect;
+    Session session(load_scene("cornell", {}, messages), settings, messages);
+    session.run_pass(64, 1, 0);
+    const float before = session.film().mean_radiance().y;
+    LightEdits edits = session.light_edits();
+    for (Vec3& emission : edits.emission) emission *= 4.0f;
+    session.edit_lights(edits);
+    session.run_pass(64, 1, 0);
+    EXPECT_NEAR(session.film().mean_radiance().y, 4 * before, 1e-3 * before) << id;
+    for (Vec3& emission : edits.emission) emission = Vec3(0);
+    session.edit_lights(edits);
+    session.run_pass(4, 1, 0);
+    EXPECT_EQ(session.film().mean_radiance(), Vec3(0)) << id;
+  }
+}
+
+}  // namespace
+}  // namespace halflight
