@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
+#include "scene/built_in_environments.h"
 #include "scene/image_files.h"
 
 namespace halflight {
@@ -45,10 +46,22 @@ std::string resolve_scene(const std::filesystem::path& config, const std::string
   return resolve(config, name);
 }
 
+/// A built-in environment stays a name, unless a file of that name lies beside the config.
+std::string resolve_environment(const std::filesystem::path& config, const std::string& name) {
+  const std::string file = resolve(config, name);
+  std::error_code fault;
+  for (const BuiltInEnvironment& environment : built_in_environments())
+    if (environment.name == name && !std::filesystem::exists(file, fault)) return name;
+  return file;
+}
+
 void apply_scalar(Options& options, const OptionInfo& info, const json& value,
                   const std::filesystem::path& path) {
   const std::string text = scalar_text(value);
-  info.set(options, info.is_path ? resolve(path, text) : text);
+  if (info.name == "environment")
+    info.set(options, resolve_environment(path, text));
+  else
+    info.set(options, info.is_path ? resolve(path, text) : text);
 }
 
 void apply_value(Options& options, const OptionInfo& info, const json& value,

@@ -133,8 +133,10 @@ constexpr std::string_view scene_group = "Scene", picture_group = "Picture", sam
 
 // Name, letter, metavar, default, group, label, help, commands, set, repeatable, path, choices, setting.
 const OptionInfo table[] = {
-    {"environment", "", "FILE", "", scene_group, "Environment",
-     "light from all around: a .hdr or .exr map, latitude-longitude, or square for an angular map", of_scenes,
+    {"environment", "", "FILE|NAME", "", scene_group, "Environment",
+     "light from all around: a .hdr or .exr map, latitude-longitude, or square for an angular map; or a built-in "
+     "one's name (`halflight scenes` lists them)",
+     of_scenes,
      [](Options& o, const std::string& v) { o.environment = v; }, false, true},
     {"environment-rotation", "", "DEG", "0", scene_group, "Rotation",
      "turn the environment about the vertical axis", of_scenes,
@@ -217,14 +219,14 @@ const OptionInfo table[] = {
      "any setting of the lights, the cut or a technique; `halflight techniques --settings` lists them",
      of_scenes, set_setting, true, false, setting_keys},
 
-    {"techniques", "", "A,B,…", "all", race_group, "", "who races; `halflight techniques` lists them", of_races,
+    {"techniques", "", "A,B,C", "all", race_group, "", "who races; `halflight techniques` lists them", of_races,
      set_techniques, false, false, technique_ids_or_all},
     {"equal", "", "WHAT", "time", race_group, "", "what each of them gets as much of: {choices}", of_races,
      [](Options& o, const std::string& v) { o.equal = static_cast<Equal>(parse_choice(v, strings(equals))); }, false, false,
      choices_of<equals>},
-    {"budgets", "", "X,Y,…", "0.5,1,2,4,8", race_group, "",
+    {"budgets", "", "X,Y,Z", "0.5,1,2,4,8", race_group, "",
      "where errors are taken: seconds, samples a pixel or rays a pixel, as --equal says", of_races, set_budgets},
-    {"seeds", "", "N", "5", race_group, "", "runs of each technique, from --seed on; five or more give usable intervals",
+    {"seeds", "", "N", "5", race_group, "", "runs of each technique, from --seed on; fewer than 5 give no intervals",
      of_races, [](Options& o, const std::string& v) { o.seeds = static_cast<uint32_t>(parse_integer(v, 1, 10000)); }},
     {"reference", "", "FILE", "", race_group, "",
      "measure against this picture; else discrete: brute force, kept in a cache, continuous: a long run", of_races,

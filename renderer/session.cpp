@@ -81,7 +81,8 @@ struct Session::Impl {
   Stale stale;
   uint32_t round = 0;            ///< of this film; each has its own draws
   bool lights_are_made = false;  ///< `lights` holds S
-  bool frame_is_drawn = false;   ///< continuous target: the current round's S and pixel grid are in place
+  bool frame_is_drawn = false;   ///< continuous target: S and pixel grid of `drawn_round` are in place
+  uint32_t drawn_round = 0;
 };
 
 Session::Session(Scene scene, const RenderSettings& settings, Messages& messages) {
@@ -233,6 +234,7 @@ void Session::Impl::prepare() {
     prepare_gbuffer();
   }
   frame_is_drawn = true;
+  drawn_round = round;
   if (!technique) technique = find_technique(settings.technique).make();
   if (stale.technique) {
     Stopwatch watch;
@@ -266,7 +268,7 @@ uint32_t Session::round_samples(uint32_t total) const {
 
 void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop) {
   Impl& s = *impl_;
-  if (s.plan.antialiased && offset == 0) s.frame_is_drawn = false;
+  if (s.plan.antialiased && s.drawn_round != s.round) s.frame_is_drawn = false;
   s.prepare();
   PassRequest request;
   request.pass = s.round;

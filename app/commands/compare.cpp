@@ -34,6 +34,14 @@ std::string time_left(double seconds, double share) {
 /// A file's name without its folder; a built-in name as it is.
 std::string title_of(const std::string& scene) { return std::filesystem::path(scene).filename().string(); }
 
+/// A setting's value, in words where it has words.
+std::string setting_text(const std::string& key, double value) {
+  for (const SettingInfo* info : all_settings())
+    if (info->key == key && !info->choices.empty())
+      return std::string(info->choices[static_cast<size_t>(value)]);
+  return fmt::format("{:.16g}", value);
+}
+
 /// What stays the same while a race goes on.
 struct Arena {
   const Options& options;
@@ -108,7 +116,7 @@ Race describe(const Arena& arena, const OpenedScene& opened, const ReferencePict
       {"Seeds", fmt::format("{} to {}", race.seeds.front(), race.seeds.back())},
       {"Exposure", fmt::format("{:g} stops, tone map {}", opened.display.ev, opened.display.tonemap)}};
   for (const auto& [key, value] : options.render.values.changed())
-    race.settings.emplace_back(key, fmt::format("{:g}", value));
+    race.settings.emplace_back(key, setting_text(key, value));
   return race;
 }
 
@@ -210,6 +218,8 @@ int run_compare(const Options& options) {
   RenderSettings null = options.render;
   null.target = setup.target;
   race.harness = run_null(session, null);
+  race.settings.emplace_back("Light set", fmt::format("{} members, cut of {}", session.stats().light_count,
+                                                      session.stats().cut_size));
   std::map<std::string, ImageRgb> pictures;
   interruption.keep_what_there_is();
   run_all(arena, reference, interruption.token(), race, pictures);

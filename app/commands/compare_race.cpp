@@ -7,13 +7,12 @@
 
 #include "commands/render_json.h"
 #include "core/stopwatch.h"
-#include "film/metrics.h"
 
 namespace halflight {
 
 namespace {
 
-constexpr uint32_t most_in_a_pass = 64;
+constexpr uint32_t most_in_a_pass = 256;
 
 uint64_t traced(const SessionStats& stats) { return stats.rays.visibility + stats.rays.closest; }
 
@@ -141,37 +140,20 @@ RaceSnapshot Run::snapshot(uint32_t checkpoint, const ReferencePicture& referenc
   s.spp = session_.film().mean_samples();
   s.rays = traced(session_.stats());
   const ErrorMetrics metrics = measure_radiance_error(session_.film().image(), reference.image);
-  s.relmse = metrics.relmse, s.relmse_trimmed = metrics.relmse_trimmed;
-  s.rmse = metrics.rmse, s.smape = metrics.smape;
-  if (!reference.variance.pixels.empty()) {
-    // E[(x−r)²] = E[(x−E r)²] + Var(r) (ESTIMATORS, "How an estimator is tested").
-    const double own = reference_relmse(reference).value_or(0);
-    s.relmse -= own, s.relmse_trimmed -= own;
-    double variance = 0;
-    for (const Vec3& v : reference.variance.pixels) variance += (static_cast<double>(v.x) + v.y + v.z) / 3;
-    variance /= static_cast<double>(reference.variance.pixels.size());
-    s.rmse = std::sqrt(std::max(0.0, s.rmse * s.rmse - variance));
-  }
+  // E[(x−r)²] = E[(x−E r)²] + Var(r) (ESTIMATORS, "How an estimator is tested").
+  s.relmse = metrics.relmse - reference.own.relmse;
+  s.relmse_trimmed = metrics.relmse_trimmed - reference.own.relmse_trimmed;
+  s.rmse = std::sqrt(std::max(0.0, metrics.rmse * metrics.rmse - reference.own.rmse * reference.own.rmse));
+  s.smape = metrics.smape;
   return s;
 }
 
 }  // namespace
 
-std::optional<double> reference_relmse(const ReferencePicture& reference) {
-  if (reference.facts.exact) return 0.0;
-  if (reference.variance.pixels.empty()) return {};
-  double mean = 0, sum = 0;
-  for (const Vec3& r : reference.image.pixels)
-    if (is_finite(r)) mean += (static_cast<double>(r.x) + r.y + r.z) / 3;
-  const auto count = static_cast<double>(reference.image.pixels.size());
-  const double floor2 = std::pow(0.01 * mean / count, 2);
-  for (size_t i = 0; i < reference.image.pixels.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const double r = reference.image.pixels[i][c], v = reference.variance.pixels[i][c];
-      if (v > 0) sum += v / (r * r + floor2) / 3;
-    }
-  }
-  return sum / count;
+ErrorMetrics own_error(const ImageRgb& reference, const ImageRgb& variance) {
+  ImageRgb off = reference;
+  for (size_t i = 0; i < off.pixels.size(); ++i) off.pixels[i] += glm::sqrt(variance.pixels[i]);
+  return measure_radiance_error(off, reference);
 }
 
 PassCost measure_cost(Session& session, const RunRequest& request) {

@@ -5,21 +5,23 @@
 #include <stop_token>
 
 #include "core/image.h"
+#include "film/metrics.h"
 #include "report/race.h"
 #include "session.h"
 
 namespace halflight {
 
-/// What pictures are measured against. `variance` is of the reference's own pixels, empty where it is not
-/// known or 0.
+/// What pictures are measured against, and how far it is itself from what it stands for: its variance in each
+/// of the metrics (rmse: the root of it), 0 where it is exact or not known.
 struct ReferencePicture {
   ImageRgb image;
-  ImageRgb variance;
+  ErrorMetrics own;
   ReferenceFacts facts;
 };
 
-/// relMSE that the reference's own variance adds to every picture's; nothing where it is not known.
-std::optional<double> reference_relmse(const ReferencePicture&);
+/// Metrics of a picture that is one standard deviation off in every pixel and channel: the share of Var(r) in
+/// them.
+ErrorMetrics own_error(const ImageRgb& reference, const ImageRgb& variance);
 
 /// What a technique's passes cost in the budget's unit: at its start (S, tree, cut, G-buffer), each pass, and
 /// each sample a pixel. Sizes of passes are planned with it; it has no part in any result.

@@ -185,13 +185,13 @@ ReferencePicture continuous_reference(Session& session, const RunRequest& race, 
   double spp = 0;
   run_race(session, request, nothing, {}, done, [&](const Film& film) {
     reference.image = film.image();
-    reference.variance = ImageRgb(film.width(), film.height());
-    for (uint32_t i = 0; i < reference.variance.pixels.size(); ++i)
-      reference.variance.pixels[i] = film.variance(i);
+    ImageRgb variance(film.width(), film.height());
+    for (uint32_t i = 0; i < variance.pixels.size(); ++i) variance.pixels[i] = film.variance(i);
+    reference.own = own_error(reference.image, variance);
     spp = film.mean_samples();
   });
   reference.facts.seconds = watch.seconds();
-  reference.facts.relmse = reference_relmse(reference);
+  reference.facts.relmse = reference.own.relmse;
   reference.facts.how =
       fmt::format("{}, {} samples a pixel in {} s ({:g} times the largest budget), with draws of its own",
                   request.settings.technique, number_text(spp), number_text(reference.facts.seconds), effort);

@@ -116,15 +116,19 @@ void check_report_folder(const std::string& folder) {
   const fs::file_status status = fs::status(folder, failed);
   if (fs::exists(status) && !fs::is_directory(status))
     throw usage_error(fmt::format("--output: {} is a file; `halflight compare` writes a folder", folder));
-  fs::create_directories(fs::path(folder) / "images", failed);
-  if (failed) throw Error(ExitCode::failure, fmt::format("{}: cannot write: {}", folder, failed.message()));
-  check_writable((fs::path(folder) / "report.html").string());
-  check_writable((fs::path(folder) / "images" / "reference.exr").string());
+  // Nothing is made before there is something to put there: the nearest folder that exists must let it be
+  // made later.
+  fs::path nearest = fs::absolute(folder).lexically_normal();
+  while (!fs::exists(nearest, failed) && nearest.has_relative_path()) nearest = nearest.parent_path();
+  check_writable((nearest / "report.html").string());
 }
 
 void write_report(const std::string& folder, Race& race, const ReferencePicture& reference,
                   const std::map<std::string, ImageRgb>& pictures, const DisplaySettings& display) {
   const fs::path path(folder);
+  std::error_code failed;
+  fs::create_directories(path / "images", failed);
+  if (failed) throw Error(ExitCode::failure, fmt::format("{}: cannot write: {}", folder, failed.message()));
   write_pictures(path, race, reference, pictures, display);
   const Analysis analysis = analyse(race);
   write_text_atomically(path / "errors.csv", errors_csv(race));

@@ -12,7 +12,7 @@ namespace {
 
 void apply_environment(Scene& scene, const Options& options, Messages& messages) {
   if (options.environment)
-    scene.environment = load_environment(*options.environment, options.load.limits, messages);
+    scene.environment = open_environment(*options.environment, options.load.limits, messages);
   if (!scene.environment.present() && (options.environment_rotation || options.environment_strength))
     messages.warn("there is no environment to turn or strengthen; --environment gives one");
   if (options.environment_rotation) scene.environment.rotation = *options.environment_rotation;

@@ -1,8 +1,9 @@
-// halflight scenes: the built-in scenes, listed or written as files.
+// halflight scenes: the built-in scenes and environments, listed or written as files.
 #include "commands/commands.h"
 #include "commands/json_output.h"
 #include "console.h"
 #include "film/image_writers.h"
+#include "scene/built_in_environments.h"
 #include "scene/load.h"
 #include "text_table.h"
 
@@ -31,27 +32,54 @@ std::vector<std::string> write_scene(const BuiltInScene& built_in, const std::fi
   return files;
 }
 
+std::string write_environment(const BuiltInEnvironment& built_in, const std::filesystem::path& folder) {
+  const std::string file = (folder / fmt::format("{}.hdr", built_in.name)).string();
+  write_radiance(file, built_in.make().map, {});
+  return file;
+}
+
+struct Listing {
+  std::vector<std::vector<std::string>> rows;
+  Json list = Json::array();
+};
+
+/// Lists `all`: descriptions, or when `writing` the files that `files_of` makes.
+template <class BuiltIn, class Write>
+Listing listed(const std::vector<BuiltIn>& all, bool writing, Write&& files_of) {
+  Listing listing;
+  for (const BuiltIn& built_in : all) {
+    std::vector<std::string> row{std::string(built_in.name), std::string(built_in.description)};
+    Json entry{{"name", built_in.name}, {"description", built_in.description}};
+    if (writing) {
+      const std::vector<std::string> files = files_of(built_in);
+      row[1] = fmt::format("{}", fmt::join(files, ", "));
+      entry["files"] = files;
+    }
+    listing.rows.push_back(std::move(row));
+    listing.list.push_back(std::move(entry));
+  }
+  return listing;
+}
+
 }  // namespace
 
 int run_scenes(const Options& options) {
   check_writable(options.json);
   if (!options.write_folder.empty()) make_folder(options.write_folder);
 
-  std::vector<std::vector<std::string>> rows;
-  Json list = Json::array();
-  for (const BuiltInScene& built_in : built_in_scenes()) {
-    std::vector<std::string> row{std::string(built_in.name), std::string(built_in.description)};
-    Json entry{{"name", built_in.name}, {"description", built_in.description}};
-    if (!options.write_folder.empty()) {
-      const std::vector<std::string> files = write_scene(built_in, options.write_folder);
-      row[1] = fmt::format("{}", fmt::join(files, ", "));
-      entry["files"] = files;
-    }
-    rows.push_back(std::move(row));
-    list.push_back(std::move(entry));
-  }
-  if (options.json != "-") write_standard_output(text_table(rows));
-  if (!options.json.empty()) write_json(options.json, {{"scenes", list}});
+  const bool writing = !options.write_folder.empty();
+  const Listing scenes = listed(built_in_scenes(), writing, [&](const BuiltInScene& built_in) {
+    return write_scene(built_in, options.write_folder);
+  });
+  const Listing environments =
+      listed(built_in_environments(), writing, [&](const BuiltInEnvironment& built_in) {
+        return std::vector{write_environment(built_in, options.write_folder)};
+      });
+  if (options.json != "-")
+    write_standard_output(text_table(scenes.rows) + "\nEnvironments, for --environment NAME:\n" +
+                          text_table(environments.rows));
+  if (!options.json.empty())
+    write_json(options.json, {{"scenes", scenes.list}, {"environments", environments.list}});
   return static_cast<int>(ExitCode::ok);
 }
 

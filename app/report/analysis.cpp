@@ -71,10 +71,11 @@ std::vector<CurvePoint> curve_points(const Race& race, const Table& table) {
   const double pixels = static_cast<double>(race.width) * race.height,
                runs = static_cast<double>(table.runs.size());
   for (size_t p = 0; p < table.checkpoints.size(); ++p) {
-    CurvePoint point{table.checkpoints[p], 0, {}, 0, 0, 0};
+    CurvePoint point{table.checkpoints[p], 0, {}, 0, 0, 0, 0};
     for (size_t r = 0; r < table.runs.size(); ++r) {
       const RaceSnapshot& s = table.at(r, p);
       point.x += table.curves.x[r][p] / runs;
+      point.trimmed += s.relmse_trimmed / runs;
       point.spp += s.spp / runs;
       point.wall_seconds += s.wall_seconds / runs;
       point.rays_a_pixel += static_cast<double>(s.rays) / pixels / runs;
@@ -132,9 +133,11 @@ double common_end(const Pair& pair, std::span<const uint32_t> runs) {
   return std::min(mean_curve(pair.a.curves, runs).x.back(), mean_curve(pair.b.curves, runs).x.back());
 }
 
+bool has_interval(const Estimate& estimate) { return estimate.low == estimate.low; }
+
 std::string against_one(const Verdict& v) {
-  return v.ratio.low == v.ratio.low ? estimate_text(v.ratio)
-                                    : fmt::format("{} (one run: no interval)", number_text(v.ratio.value));
+  return has_interval(v.ratio) ? estimate_text(v.ratio)
+                               : fmt::format("{} (too few runs for an interval)", number_text(v.ratio.value));
 }
 
 Verdict error_verdict(const Race& race, const Pair& pair) {
@@ -154,7 +157,7 @@ Verdict error_verdict(const Race& race, const Pair& pair) {
   }
   v.seen = v.ratio.excludes(1);
   const std::string place = fmt::format("{} {}", number_text(v.at), equal_info(race.equal).unit);
-  v.text = v.seen
+  v.text = v.seen || !has_interval(v.ratio)
                ? fmt::format("At {}, the error of {} is {} of that of {}.", place, v.first, against_one(v),
                              v.second)
                : fmt::format("No difference seen between {} and {}: at {}, the ratio of their errors is {}.",
@@ -187,7 +190,7 @@ std::optional<Verdict> reach_verdict(const Race& race, const Pair& pair, double 
     return reach(pair.a, chosen) / reach(pair.b, chosen);
   });
   v.seen = v.ratio.excludes(1);
-  v.text = v.seen
+  v.text = v.seen || !has_interval(v.ratio)
                ? fmt::format("{} reaches relMSE {} in {} of the {} of {}.", v.first, goal_text(goal),
                              against_one(v), of_it, v.second)
                : fmt::format("No difference seen in the {} to relMSE {} between {} and {}: the ratio is {}.",

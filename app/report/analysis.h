@@ -17,6 +17,7 @@ struct CurvePoint {
   uint32_t checkpoint;
   double x;                                ///< mean position on the race's axis
   Estimate error;                          ///< mean relMSE
+  double trimmed;                          ///< mean relMSE without the worst 0.1 % of pixels
   double spp, wall_seconds, rays_a_pixel;  ///< means
   bool doubtful = false;  ///< so near the reference's own error that it says little; in no fit
 };

@@ -48,10 +48,11 @@ std::string standings(const Race& race, const Analysis& analysis) {
     if (r.preview) continue;
     std::vector<std::string> row{name_cell(race.racers[r.racer], i)};
     if (r.points.empty()) {
-      row.insert(row.end(), {"no picture in time", "–", "–", "–", "–", "–"});
+      row.insert(row.end(), {"no picture in time", "–", "–", "–", "–", "–", "–"});
     } else {
       const CurvePoint& end = r.points.back();
       row.push_back(two_lines(end.error) + (end.doubtful ? "<small>near the reference's own</small>" : ""));
+      row.push_back(html_text(number_text(end.trimmed)));
       for (const Estimate& reach : r.reach) row.push_back(reach_cell(r, reach));
       row.push_back(two_lines(r.slope));
       row.push_back(number_text(end.spp));
@@ -61,10 +62,12 @@ std::string standings(const Race& race, const Analysis& analysis) {
     }
     rows.push_back(std::move(row));
   }
-  return html_table(
-      {"technique", "relMSE at the end", fmt::format("{} to 1e-2, {}", info.of_it, info.unit),
-       fmt::format("{} to 1e-3, {}", info.of_it, info.unit), "slope", "samples a pixel", "Mrays a second"},
-      rows);
+  std::vector<std::string> headings{"technique", "relMSE at the end", "without worst 0.1\u00a0%"};
+  const std::string_view unit = race.equal == Equal::time ? ",\u00a0s" : "";
+  for (const double goal : goals)
+    headings.push_back(fmt::format("{} to {}{}", info.of_it, goal_text(goal), unit));
+  headings.insert(headings.end(), {"slope", "samples a pixel", "Mrays a second"});
+  return html_table(headings, rows);
 }
 
 std::string verdict_list(const Analysis& analysis, size_t begin, size_t end) {
@@ -90,7 +93,9 @@ std::string verdicts(const Race& race, const Analysis& analysis) {
              "where "
              "one holds 1, no difference is seen.{}</p>\n",
              race.seeds.size(),
-             race.seeds.size() < 5 ? " Fewer than five seeds leave wide and uncertain intervals." : "");
+             race.seeds.size() < 5
+                 ? " Fewer than five seeds are too few for intervals: what is said of them may be chance."
+                 : "");
 }
 
 std::string plots(const Race& race, const Analysis& analysis) {

@@ -38,6 +38,7 @@ Json points_json(const RacerResult& result) {
     points.push_back({{"checkpoint", p.checkpoint},
                       {"x", number(p.x)},
                       {"relmse", estimate_json(p.error)},
+                      {"relmse_trimmed", number(p.trimmed)},
                       {"wall_seconds", number(p.wall_seconds)},
                       {"spp", number(p.spp)},
                       {"rays_a_pixel", number(p.rays_a_pixel)},

@@ -119,7 +119,7 @@ Estimate bootstrap(size_t runs, const std::function<double(std::span<const uint3
   std::vector<uint32_t> chosen(runs);
   std::iota(chosen.begin(), chosen.end(), 0u);
   Estimate estimate{statistic(chosen), unknown, unknown};
-  if (runs < 2) return estimate;
+  if (runs < least_runs) return estimate;
 
   std::vector<double> values;
   values.reserve(count);

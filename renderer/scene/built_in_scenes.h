@@ -12,5 +12,7 @@ Scene make_plate();
 Scene make_hall();
 Scene make_glossy_sphere();
 Scene make_bumpy_statue();
+Scene make_spheres();
+Scene make_car();
 
 }  // namespace halflight

@@ -15,6 +15,20 @@ using Field = std::function<float(Vec3)>;
 /// threads at once.
 Mesh implicit_mesh(const Field& field, const Aabb& box, float cell);
 
+/// A mesh in two: where `side` is negative and where it is not.
+struct CutMesh {
+  Mesh inside, outside;
+};
+
+/// Cuts a mesh of the surface `field` = 0 along the curve `side` = 0 on it, through the triangles: new vertices lie on
+/// both, with the field's gradient as normal. What is between two crossings of one edge is not seen. Leaves out
+/// triangles without area.
+CutMesh cut_mesh(const Mesh&, const Field& field, const Field& side);
+
+/// Distance to a superellipsoid about `centre`, to first order: (|x/a|^e + |z/c|^e)^(f/e) + |y/b|^f = 1 with (e, f) =
+/// `exponents`, which exceed 1; (2, 2) is an ellipsoid.
+float superellipsoid_distance(Vec3 p, Vec3 centre, Vec3 radii, Vec2 exponents);
+
 /// Distance to an ellipsoid with its axes along the coordinates', to first order (exact on the surface).
 float ellipsoid_distance(Vec3 p, Vec3 centre, Vec3 radii);
 

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "core/errors.h"
+#include "scene/built_in_environments.h"
 
 namespace halflight {
 
@@ -59,6 +60,14 @@ Scene load_file(const fs::path& path, const LoadOptions& options, Messages& mess
 }
 
 }  // namespace
+
+Environment open_environment(const std::string& name_or_path, const LoadLimits& limits, Messages& messages) {
+  const fs::path path(name_or_path);
+  std::error_code fault;
+  const bool named_as_file = path.has_extension() || path.has_parent_path() || name_or_path.empty();
+  if (named_as_file || fs::exists(path, fault)) return load_environment(path, limits, messages);
+  return make_built_in_environment(name_or_path);
+}
 
 Scene load_scene(const std::string& name_or_path, const LoadOptions& options, Messages& messages) {
   std::vector<std::string> names;

@@ -33,6 +33,10 @@ Scene load_gltf(const std::filesystem::path&, const LoadOptions&, Messages&);
 /// Radiance .hdr or .exr, by content rather than ending.
 Environment load_environment(const std::filesystem::path&, const LoadLimits&, Messages&);
 
+/// A file, or where there is none of that name a built-in environment (scene/built_in_environments.h). A name without
+/// ending or folder that is neither: exit code 2.
+Environment open_environment(const std::string& name_or_path, const LoadLimits&, Messages&);
+
 /// Built-in scenes: name and one line of description.
 struct BuiltInScene {
   std::string_view name, description;

@@ -82,6 +82,13 @@ TEST(Analysis, WhoNeverArrivesIsSaidToHaveNot) {
   EXPECT_FALSE(verdict(analysis, "1e-2").ratio.known());
 }
 
+TEST(Analysis, FewRunsHaveRatiosWithoutIntervals) {
+  const Analysis analysis = analyse(race_of({racer("a", 0.02, 0.01, 4), racer("b", 0.08, 0.01, 4)}));
+  EXPECT_FALSE(verdict(analysis, "error").seen);
+  EXPECT_NE(verdict(analysis, "error").text.find("the error of a is 0.2"), std::string::npos);
+  EXPECT_NE(verdict(analysis, "error").text.find("too few runs"), std::string::npos);
+}
+
 TEST(Analysis, PreviewsShareNoVerdict) {
   Race race = race_of({racer("honest", 0.05, 0.01), racer("biased", 0.001, 0.01)});
   race.racers[1].preview = true;
