@@ -27,34 +27,33 @@ float outline_distance(Vec2 p, std::span<const Vec2> polygon, float radius) {
 
 /// The lines drawn on the skin, as fields that are 0 there: side views in (x, y), front and rear views in
 /// (|z|, y).
-constexpr Vec2 door_window[] = {{0.46f, 0.925f}, {0.232f, 1.12f}, {-0.28f, 1.14f}, {-0.37f, 0.925f}};
-constexpr Vec2 rear_window[] = {{-0.50f, 0.935f}, {-0.415f, 1.135f}, {-0.58f, 1.115f}, {-0.84f, 0.965f}};
+constexpr Vec2 door_window[] = {{0.425f, 0.925f}, {0.20f, 1.12f}, {-0.28f, 1.14f}, {-0.37f, 0.925f}};
+constexpr Vec2 rear_window[] = {{-0.515f, 0.935f}, {-0.455f, 1.125f}, {-0.60f, 1.105f}, {-0.84f, 0.965f}};
 constexpr Vec2 windscreen[] = {{-0.70f, 0.95f}, {0.70f, 0.95f}, {0.70f, 1.125f}, {-0.70f, 1.125f}};
-constexpr Vec2 backlight[] = {{-0.33f, 1.00f}, {0.33f, 1.00f}, {0.275f, 1.10f}, {-0.275f, 1.10f}};
+constexpr Vec2 backlight[] = {{-0.30f, 1.03f}, {0.30f, 1.03f}, {0.24f, 1.06f}, {-0.24f, 1.06f}};
 constexpr Vec2 door[] = {{0.60f, 0.36f},  {0.61f, 0.86f},  {0.27f, 1.185f}, {-0.36f, 1.20f},
                          {-0.42f, 0.90f}, {-0.46f, 0.50f}, {-0.38f, 0.36f}};
-constexpr Vec2 hood[] = {{1.60f, -0.20f}, {1.60f, 0.20f}, {0.90f, 0.42f}, {0.90f, -0.42f}};
-constexpr Vec2 engine_lid[] = {{-1.28f, -0.32f}, {-1.28f, 0.32f}, {-1.66f, 0.26f}, {-1.66f, -0.26f}};
+constexpr Vec2 hood[] = {{1.60f, -0.20f}, {1.60f, 0.20f}, {1.04f, 0.37f}, {1.04f, -0.37f}};
+constexpr Vec2 engine_lid[] = {{-1.46f, -0.28f}, {-1.46f, 0.28f}, {-1.69f, 0.24f}, {-1.69f, -0.24f}};
 /// Foot and head of the front pillar's fore edge, seen from the side.
 constexpr Vec2 pillar_foot{0.60f, 0.90f}, pillar_head{0.30f, 1.17f};
 
 constexpr float middle_x = -0.15f;  ///< what lies ahead of it is the front
 
-float side_glass(Vec3 p) {
-  const Vec2 side(p.x, p.y);
-  return std::min(outline_distance(side, door_window, 0.035f), outline_distance(side, rear_window, 0.035f));
-}
-
-float end_glass(Vec3 p) {
-  const Vec2 end(p.z, p.y);
+/// The windows' edges. Each is cut for itself: pillars are about as narrow as a triangle is long.
+float door_glass(Vec3 p) { return outline_distance({p.x, p.y}, door_window, 0.035f); }
+float rear_glass(Vec3 p) { return outline_distance({p.x, p.y}, rear_window, 0.035f); }
+float back_glass(Vec3 p) { return std::max(outline_distance({p.z, p.y}, backlight, 0.085f), p.x - middle_x); }
+float front_glass(Vec3 p) {
   const Vec2 rake = glm::normalize(pillar_head - pillar_foot), along = Vec2(p.x, p.y) - pillar_foot;
   const float behind_pillar = rake.y * -along.x + rake.x * along.y;
-  const float front = std::max(outline_distance(end, windscreen, 0.05f), behind_pillar);
-  const float back = std::max(outline_distance(end, backlight, 0.06f), p.x - middle_x);
-  return std::min(front, back);
+  return std::max(outline_distance({p.z, p.y}, windscreen, 0.05f), behind_pillar);
 }
 
-float glass_line(Vec3 p) { return std::min(side_glass(p), end_glass(p)); }
+constexpr float (*windows[])(Vec3) = {door_glass, rear_glass, back_glass, front_glass};
+
+/// What the pillars of the sides stand in; their paint is not parted by the doors' edges.
+float pillar_zone(Vec3 p) { return std::min({door_glass(p), rear_glass(p), front_glass(p)}) - 0.035f; }
 
 float arch_line(Vec3 p) {
   float nearest = infinity;
@@ -81,7 +80,7 @@ CarMaterials add_materials(Scene& scene) {
     return add_material(scene, phong_material(name, diffuse, specular, exponent));
   };
   CarMaterials m{};
-  m.paint = add("paint", {0.36f, 0.016f, 0.012f}, Vec3(0.28f), 100);
+  m.paint = add("paint", {0.39f, 0.015f, 0.011f}, Vec3(0.22f), 100);
   m.glass = add("glass", {0.008f, 0.010f, 0.011f}, Vec3(0.30f), 100);
   m.chrome = add("chrome", Vec3(0.03f), {0.80f, 0.81f, 0.83f}, 100);
   m.rubber = add("rubber", Vec3(0.015f), Vec3(0.04f), 20);
@@ -95,7 +94,7 @@ CarMaterials add_materials(Scene& scene) {
 
 /// The floor that it stands on.
 void add_ground(Scene& scene) {
-  const std::vector<Vec2> profile{{40, 0}, {14, 0}, {6, 0}, {3, 0}, {0, 0}};
+  const std::vector<Vec2> profile{{16, 0}, {9, 0}, {5, 0}, {2.5f, 0}, {0, 0}};
   place(scene, lathe_mesh(profile, 64),
         add_material(scene, phong_material("ground", {0.24f, 0.237f, 0.233f}, Vec3(0), 1)));
 }
@@ -132,17 +131,20 @@ float reach(Vec3 from, Vec3 direction, float offset) {
 }
 
 void add_car_body(Scene& scene, const CarMaterials& materials) {
-  Mesh skin = implicit_mesh(car_body_distance, {{-2.16f, 0.12f, -0.96f}, {2.16f, 1.44f, 0.96f}}, 0.059f);
+  Mesh skin = implicit_mesh(car_body_distance, {{-2.16f, 0.12f, -0.96f}, {2.16f, 1.44f, 0.96f}}, 0.06f);
+  settle(skin, car_body_distance);
   skin = cut_mesh(skin, car_body_distance, arch_line).outside;
   CutMesh cut = cut_mesh(skin, car_body_distance, [](Vec3 p) { return p.y - (car_floor + 0.035f); });
   place(scene, cut.inside, materials.dark);
 
-  // Glass lies a little deeper than its trim.
-  cut = cut_mesh(cut.outside, car_body_distance, glass_line);
-  place(scene, cut.inside, materials.glass);
-  cut = cut_mesh(cut.outside, car_body_distance, [](Vec3 p) { return glass_line(p) - 0.015f; });
-  place(scene, cut.inside, materials.chrome);
-
+  for (const auto& window : windows) {
+    cut = cut_mesh(cut.outside, car_body_distance, window);
+    place(scene, cut.inside, materials.glass);
+    cut = cut_mesh(cut.outside, car_body_distance, [&](Vec3 p) { return window(p) - 0.015f; });
+    place(scene, cut.inside, materials.chrome);
+  }
+  cut = cut_mesh(cut.outside, car_body_distance, pillar_zone);
+  place(scene, cut.inside, materials.paint);
   constexpr float gap = 0.0045f;
   CutMesh lids = cut_mesh(cut.outside, car_body_distance, [](Vec3 p) { return shut_line(p) + gap; });
   place(scene, lids.inside, materials.paint);
@@ -161,7 +163,7 @@ Scene make_car() {
   add_car_wheels(scene, materials);
   add_car_trim(scene, materials);
   scene.environment = make_built_in_environment("skylight");
-  add_camera(scene, "main", {4.7f, 1.45f, 4.0f}, {0.04f, 0.56f, 0}, 28);
+  add_camera(scene, "main", {4.7f, 1.45f, 4.0f}, {0.14f, 0.54f, -0.12f}, 27.5f);
   add_camera(scene, "side", {0.1f, 1.0f, 7.2f}, {0.02f, 0.62f, 0}, 27);
   add_camera(scene, "rear", {-4.6f, 1.9f, 3.9f}, {-0.05f, 0.58f, 0}, 29);
   update_bounds(scene);

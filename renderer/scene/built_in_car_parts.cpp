@@ -102,11 +102,13 @@ void add_bumpers(Scene& scene, const CarMaterials& materials) {
 }
 
 void add_lamps(Scene& scene, const CarMaterials& materials) {
+  constexpr Vec2 pod[] = {{0.127f, -0.20f}, {0.127f, -0.035f}, {0.118f, -0.012f}};
   constexpr Vec2 bezel[] = {
-      {0.118f, -0.10f}, {0.121f, 0.008f}, {0.117f, 0.021f}, {0.107f, 0.024f}, {0.100f, 0.014f}};
+      {0.118f, -0.03f}, {0.121f, 0.008f}, {0.117f, 0.021f}, {0.107f, 0.024f}, {0.100f, 0.014f}};
   constexpr Vec2 lens[] = {
       {0.101f, 0.012f}, {0.085f, 0.027f}, {0.060f, 0.038f}, {0.030f, 0.045f}, {0, 0.047f}};
-  const Mat4 head = aim(lamp_middle, lamp_axis);
+  const Mat4 head = aim(lamp_middle + 0.045f * glm::normalize(lamp_axis), lamp_axis);
+  place_both(scene, lathe_mesh(pod, 32, 1.2f), materials.paint, head);
   place_both(scene, lathe_mesh(bezel, 32, 1.2f), materials.chrome, head);
   place_both(scene, lathe_mesh(lens, 32, 1.2f), materials.lamp, head);
   // Side lamps below, and lamps behind.
@@ -117,7 +119,7 @@ void add_lamps(Scene& scene, const CarMaterials& materials) {
     place_both(scene, superquadric_mesh(half, {1, 1}, 14, 8), material,
                aim(at + 0.012f * direction, direction));
   };
-  small_lamp({1.2f, 0.515f, 0.53f}, {1, 0, 0}, {0.036f, 0.032f, 0.028f}, materials.lamp);
+  small_lamp({1.2f, 0.50f, 0.49f}, {1, 0, 0}, {0.036f, 0.032f, 0.028f}, materials.lamp);
   small_lamp({-1.2f, 0.60f, 0.50f}, glm::normalize(Vec3(-1, 0, 0.12f)), {0.036f, 0.030f, 0.062f},
              materials.tail_lamp);
 }
@@ -162,7 +164,7 @@ void add_ends(Scene& scene, const CarMaterials& materials) {
     std::vector<Vec3> path;
     const float z = 0.04f * static_cast<float>(bar);
     for (int i = 0; i <= 8; ++i)
-      path.push_back(above(glm::mix(-1.36f, -1.60f, static_cast<float>(i) / 8), z, 0.004f));
+      path.push_back(above(glm::mix(-1.44f, -1.65f, static_cast<float>(i) / 8), z, 0.004f));
     place(scene, tube_mesh(path, 6, 0.007f), bar % 4 == 0 ? materials.chrome : materials.dark);
   }
   // Wipers at rest, on their pivots.

@@ -14,5 +14,6 @@ Scene make_glossy_sphere();
 Scene make_bumpy_statue();
 Scene make_spheres();
 Scene make_car();
+Scene make_statue();
 
 }  // namespace halflight

@@ -24,7 +24,7 @@ Mesh backdrop() {
   const float last = static_cast<float>(profile.size() - 1);
   Mesh sheet = grid_mesh({24, static_cast<int>(last)}, [&](float u, float v) {
     const Vec2 at = profile[static_cast<size_t>(std::lround(v * last))];
-    return Vec3(28 * (u - 0.5f), at.y, at.x);
+    return Vec3(28 * (u - 0.5f), std::max(at.y, 0.0f), at.x);  // the curve swings a little below
   });
   smooth_normals(sheet, 3);
   return sheet;

@@ -15,12 +15,16 @@ using Field = std::function<float(Vec3)>;
 /// threads at once.
 Mesh implicit_mesh(const Field& field, const Aabb& box, float cell);
 
+/// Moves the vertices onto the surface `field` = 0, from which `implicit_mesh` leaves them by a small part of a cell, and
+/// makes their normals anew.
+void settle(Mesh&, const Field& field);
+
 /// A mesh in two: where `side` is negative and where it is not.
 struct CutMesh {
   Mesh inside, outside;
 };
 
-/// Cuts a mesh of the surface `field` = 0 along the curve `side` = 0 on it, through the triangles: new vertices lie on
+/// Cuts a settled mesh of the surface `field` = 0 along the curve `side` = 0 on it, through the triangles: new vertices lie on
 /// both, with the field's gradient as normal. What is between two crossings of one edge is not seen. Leaves out
 /// triangles without area.
 CutMesh cut_mesh(const Mesh&, const Field& field, const Field& side);

@@ -1,5 +1,7 @@
 #include <map>
+#include <tuple>
 
+#include "core/parallel.h"
 #include "scene/implicit_mesh.h"
 
 namespace halflight {
@@ -16,16 +18,25 @@ Vec3 gradient_at(const Field& field, Vec3 p, float step) {
   return g;
 }
 
-/// The vertex between `a` and `b` where `side` passes through 0, moved onto the surface.
-Vertex crossing(const Field& field, const Field& side, const Vertex& a, const Vertex& b) {
+/// The point of the surface near `p`, by two steps of Newton's along the gradient.
+Vec3 surface_point(const Field& field, Vec3 p, float step) {
+  for (int i = 0; i < 2; ++i) {
+    const Vec3 g = gradient_at(field, p, step);
+    if (const float slope = glm::dot(g, g); slope > 0) p -= g * (field(p) / slope);
+  }
+  return p;
+}
+
+bool comes_before(Vec3 a, Vec3 b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+
+/// The vertex between two where `side` passes through 0, moved onto the surface; the same for both orders of
+/// the two.
+Vertex crossing(const Field& field, const Field& side, const Vertex& one, const Vertex& other) {
+  const bool in_order = comes_before(one.position, other.position);
+  const Vertex &a = in_order ? one : other, &b = in_order ? other : one;
   const float step = 1e-2f * glm::length(b.position - a.position);
   const auto on_surface = [&](float t) {
-    Vec3 p = glm::mix(a.position, b.position, t);
-    for (int i = 0; i < 2; ++i) {
-      const Vec3 g = gradient_at(field, p, step);
-      if (const float slope = glm::dot(g, g); slope > 0) p -= g * (field(p) / slope);
-    }
-    return p;
+    return surface_point(field, glm::mix(a.position, b.position, t), step);
   };
   float low = 0, high = 1;
   const bool from_inside = side(a.position) < 0;
@@ -56,15 +67,28 @@ struct Half {
   }
 
   void add(const std::vector<Vertex>& all, uint32_t a, uint32_t b, uint32_t c) {
+    // Thin triangles stay: without them the next cut would part their neighbours.
     const Vec3 p = all[a].position;
-    const Vec3 ab = all[b].position - p, ac = all[c].position - p;
-    const float longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
-    if (!(glm::length(glm::cross(ab, ac)) > 1e-5f * longest)) return;
+    if (!(glm::length(glm::cross(all[b].position - p, all[c].position - p)) > 0)) return;
     mesh.triangles.push_back({vertex(all, a), vertex(all, b), vertex(all, c)});
   }
 };
 
 }  // namespace
+
+void settle(Mesh& mesh, const Field& field) {
+  Aabb bounds;
+  for (const Vertex& v : mesh.vertices) bounds.extend(v.position);
+  const float step = 2e-4f * bounds.diagonal();
+  parallel_for(0, mesh.vertices.size(), 256, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Vertex& v = mesh.vertices[i];
+      v.position = surface_point(field, v.position, step);
+      const Vec3 g = gradient_at(field, v.position, step);
+      if (glm::dot(g, v.normal) > 0) v.normal = glm::normalize(g);
+    }
+  });
+}
 
 CutMesh cut_mesh(const Mesh& mesh, const Field& field, const Field& side) {
   std::vector<Vertex> all = mesh.vertices;

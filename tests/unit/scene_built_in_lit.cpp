@@ -369,5 +369,45 @@ TEST(LitScenes, SavedScenesGiveTheSamePicture) {
   }
 }
 
+TEST(Statue, IsOneClosedGlossyFigureOfTheStatedSize) {
+  const Scene scene = make_statue();
+  EXPECT_GE(scene.triangles.size(), 60'000u);
+  EXPECT_LE(scene.triangles.size(), 66'000u);
+  const Material& marble = named(scene, "marble");
+  EXPECT_EQ(marble.model, BrdfModel::phong);
+  EXPECT_EQ(marble.exponents.x, 100);
+  for (int c = 0; c < 3; ++c) EXPECT_LE(marble.diffuse[c] + marble.phong_specular[c], 1);
+
+  const Mesh figure = part(scene, "marble");
+  EXPECT_EQ(open_edges(figure), 0u);
+  EXPECT_GT(volume(figure), 0.1);
+  const std::vector<uint32_t> id = joined(figure.vertices);
+  std::vector<uint32_t> group(figure.vertices.size());
+  std::iota(group.begin(), group.end(), 0u);
+  const auto root = [&](uint32_t v) {
+    while (group[v] != v) v = group[v] = group[group[v]];
+    return v;
+  };
+  for (const UVec3 t : figure.triangles)
+    for (int k = 1; k < 3; ++k) group[root(id[t[k]])] = root(id[t.x]);
+  std::map<uint32_t, size_t> pieces;
+  for (const UVec3 t : figure.triangles) ++pieces[root(id[t.x])];
+  EXPECT_EQ(pieces.size(), 1u) << "nothing floats";
+}
+
+TEST(Statue, StandsInsideItsUprightPicture) {
+  const Scene scene = make_statue();
+  const Camera& camera = scene.cameras.front();
+  const float tangent = std::tan(0.5f * camera.vertical_fov);
+  const Mesh figure = part(scene, "marble");
+  for (const UVec3 t : figure.triangles) {
+    const Vec3 to = figure.vertices[t.x].position - camera.position;
+    const float depth = -glm::dot(to, camera.back);
+    ASSERT_GT(depth, 0);
+    ASSERT_LT(std::abs(glm::dot(to, camera.up)), tangent * depth);
+    ASSERT_LT(std::abs(glm::dot(to, camera.right)), 0.75f * tangent * depth);
+  }
+}
+
 }  // namespace
 }  // namespace halflight
