@@ -109,6 +109,8 @@ RayScene::Impl::Impl(const Scene& scene_in)
   rtcSetDeviceMemoryMonitorFunction(device.get(), count_memory, &memory);
   embree_scene.reset(rtcNewScene(device.get()));
   rtcSetSceneBuildQuality(embree_scene.get(), RTC_BUILD_QUALITY_MEDIUM);
+  // Rays along an edge that triangles share must meet one of them.
+  rtcSetSceneFlags(embree_scene.get(), RTC_SCENE_FLAG_ROBUST);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     const bool alpha = scene.materials[scene.triangle_material[i]].alpha_mode != AlphaMode::opaque;
     (alpha ? filtered : opaque).triangles.push_back(i);

@@ -35,6 +35,32 @@ TEST(Rays, ClosestHitIsWhereItShouldBe) {
   EXPECT_GT(rays.memory_bytes(), 0u);
 }
 
+TEST(Rays, NoneSlipsThroughTheEdgesThatTrianglesShare) {
+  // A sheet of patches; rays straight at their corners and at points of their edges, which float arithmetic
+  // puts on either side of them.
+  constexpr int side = 12;
+  Scene scene;
+  scene.materials.emplace_back();
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j)
+      add_patch(scene, Vec3(0.25f * i, 0, 0.25f * j), Vec3(0.25f, 0, 0), Vec3(0, 0, 0.25f));
+  const RayScene rays(scene);
+  RayCounters counters;
+  RandomStream random(5, 0, 0);
+  for (int k = 0; k < 20000; ++k) {
+    const int i = 1 + static_cast<int>(random.next() * (side - 1)),
+              j = 1 + static_cast<int>(random.next() * (side - 1));
+    const float along = k % 2 == 0 ? 0.0f : 0.25f * random.next();
+    const Vec3 target(0.25f * i + (k % 4 == 1 ? along : 0), 0, 0.25f * j + (k % 4 == 3 ? along : 0));
+    const Vec3 eye(3.0f * random.next(), 0.5f + 3 * random.next(), 3.0f * random.next());
+    RayHit hit;
+    ASSERT_TRUE(rays.intersect(eye, glm::normalize(target - eye), 0, infinity, 0, hit, counters)) << k;
+    ShadowRay shadow{eye.x, eye.y, eye.z, 0, target.x - eye.x, target.y - eye.y, target.z - eye.z, 0, 2};
+    rays.occluded({&shadow, 1}, 0, counters);
+    ASSERT_TRUE(shadow.blocked()) << k;
+  }
+}
+
 TEST(Rays, BatchesOfAnySizeAgreeWithSingleRays) {
   const Scene scene = table_scene();
   const RayScene rays(scene);
