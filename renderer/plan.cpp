@@ -20,6 +20,19 @@ bool has_specular_lobe(const Material& material) {
   return material.metallic > 0 || (material.specular > 0 && material.ior != 1);
 }
 
+/// The stage of a technique that runs on the GPU, and the light it leaves out.
+void add_gpu_stage(const TechniqueInfo& technique, Plan& plan) {
+  std::vector<std::string> left_out{"shadows"};
+  if (plan.kinds.surfaces) left_out.push_back("light from surface to surface");
+  if (plan.kinds.emitters) left_out.push_back("light of emissive surfaces");
+  if (plan.kinds.punctual) left_out.push_back("punctual lights");
+  const bool runs = plan.kinds.environment;
+  plan.stages.push_back(
+      {"environment on the GPU", runs,
+       !runs ? fmt::format("nothing for {} to do: it knows light of an environment only", technique.id)
+             : fmt::format("{} leaves out {}", technique.id, fmt::join(left_out, ", "))});
+}
+
 }  // namespace
 
 SceneNeeds scene_needs(const Scene& scene) {
@@ -52,7 +65,7 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
 
   Plan plan;
   plan.show_emission = direct;
-  plan.antialiased = continuous;
+  plan.antialiased = continuous && !technique.exact;
   plan.direct_punctual = handful && direct && needs.surfaces;
   // A shadow map's edge is not a ray's: what converges to the integral is lit by rays.
   plan.shadow_maps = handful && !continuous && !raster.empty() && needs.surfaces;
@@ -67,6 +80,7 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
   stage("g-buffer", true, raster.empty() ? "by rays: " + why_backend : raster + ": " + why_backend);
   stage("antialiasing", plan.antialiased,
         plan.antialiased ? "the continuous target moves the pixel grid each round"
+        : continuous     ? "a single pass sees pixel centres only"
                          : "the discrete target sees pixel centres only");
   stage("alpha filter", needs.alpha,
         needs.alpha ? "masked or blended materials" : "every material is opaque");
@@ -108,6 +122,7 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
         !plan.kinds.any() ? "S is empty"
         : light_set       ? "S has members"
                           : without_set);
+  if (technique.device == Device::gpu) add_gpu_stage(technique, plan);
   const bool counts = technique.counts_brdf_rays && plan.light_set && needs.specular;
   stage("brdf rays", counts,
         !plan.kinds.any()             ? "S is empty"

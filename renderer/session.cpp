@@ -20,6 +20,18 @@ bool has_graphics_device() {
          std::filesystem::exists("/dev/dxg", ignored);
 }
 
+bool needs_gl(const RenderSettings& settings) {
+  return find_technique(settings.technique).device == Device::gpu;
+}
+
+/// Throws Error (exit code 4) where the technique runs on OpenGL and there is to be none.
+void check_backend(const RenderSettings& settings) {
+  if (settings.backend != Backend::none || !needs_gl(settings)) return;
+  throw Error(
+      ExitCode::no_gl,
+      fmt::format("technique '{}' runs on OpenGL, and the back end asked for is none", settings.technique));
+}
+
 bool group_changed(const SettingValues& a, const SettingValues& b, std::span<const SettingInfo> group) {
   return std::any_of(group.begin(), group.end(),
                      [&](const SettingInfo& info) { return a.get(info.key) != b.get(info.key); });
@@ -67,8 +79,9 @@ struct Session::Impl {
   Messages& messages;
   std::unique_ptr<RayScene> rays;
   std::unique_ptr<GlContext> context;
-  std::unique_ptr<Rasterizer> rasterizer;
-  std::optional<GlDescription> gl;
+  std::unique_ptr<Rasterizer> rasterizer;  ///< kept, once made, for the next technique that needs it
+  Backend opened_backend = Backend::none;  ///< what `rasterizer` was made for
+  std::optional<GlDescription> gl;         ///< while `rasterizer` draws the G-buffer
   std::string why_backend;
   Camera camera;
   Plan plan;
@@ -102,32 +115,40 @@ Session::Session(Scene scene, const RenderSettings& settings, Messages& messages
 Session::~Session() = default;
 
 void Session::Impl::open_backend() {
-  rasterizer.reset(), context.reset(), gl.reset();
-  if (settings.backend == Backend::none) {
+  gl.reset();
+  if (settings.backend != opened_backend) rasterizer.reset(), context.reset();
+  opened_backend = settings.backend;
+  check_backend(settings);
+  if (settings.backend == Backend::none)
     why_backend = "asked for";
-  } else if (settings.backend == Backend::automatic && !has_graphics_device()) {
+  else if (settings.backend == Backend::automatic && !needs_gl(settings) && !has_graphics_device())
     why_backend = "this machine shows no graphics device, and rays beat a software rasteriser";
-  } else {
+  else
     make_rasterizer(settings.backend);
-  }
   stale.raster = false;
-  stale.gbuffer = stale.shadows = stale.lights = true;
+  stale.gbuffer = stale.shadows = stale.lights = stale.technique = true;
 }
 
 void Session::Impl::make_rasterizer(Backend backend) {
+  const bool needed = needs_gl(settings);
   try {
-    context = GlContext::make_headless(backend);
-    if (backend == Backend::automatic && context->description().software) {
+    if (!context) context = GlContext::make_headless(backend);
+    if (backend == Backend::automatic && context->description().software && !needed) {
       why_backend =
           fmt::format("{} is a software rasteriser, and rays beat it", context->description().renderer);
-      context.reset();
+      if (!rasterizer) context.reset();
       return;
     }
-    rasterizer = std::make_unique<Rasterizer>(*context, scene, RasterSettings{}, messages);
+    if (!rasterizer) rasterizer = std::make_unique<Rasterizer>(*context, scene, RasterSettings{}, messages);
     gl = context->description();
-    why_backend = backend == Backend::automatic ? "a graphics device is there" : "asked for";
+    why_backend = backend != Backend::automatic ? "asked for"
+                  : needed                      ? fmt::format("{} runs on OpenGL", settings.technique)
+                                                : "a graphics device is there";
   } catch (const Error& error) {
     rasterizer.reset(), context.reset();
+    if (needed && backend == Backend::automatic)
+      throw Error(error.code(),
+                  fmt::format("technique '{}' runs on OpenGL: {}", settings.technique, error.what()));
     if (backend != Backend::automatic) throw;
     why_backend = fmt::format("no OpenGL ({})", error.what());
   }
@@ -199,7 +220,7 @@ void Session::Impl::prepare_gbuffer() {
   gbuffer.resize(settings.width, settings.height);
   const Vec2 jitter = plan.antialiased ? pixel_jitter(round) : Vec2(0);
   const uint32_t alpha_seed = plan.antialiased ? round + 1 : 0;
-  if (rasterizer)
+  if (gl)
     rasterizer->draw_gbuffer(camera, jitter, alpha_seed, gbuffer);
   else
     trace_gbuffer(*rays, camera, jitter, alpha_seed, gbuffer, stats.rays);
@@ -228,7 +249,7 @@ void Session::Impl::prepare() {
     prepare_lights();
     prepare_gbuffer();
   } catch (const Error& error) {
-    if (error.code() != ExitCode::no_gl || !rasterizer) throw;
+    if (error.code() != ExitCode::no_gl || !gl || needs_gl(settings)) throw;
     drop_rasterizer(error.what());
     prepare_lights();
     prepare_gbuffer();
@@ -248,6 +269,7 @@ FrameView Session::Impl::view() const {
   FrameView frame;
   frame.scene = &scene;
   frame.rays = rays.get();
+  frame.raster = gl ? rasterizer.get() : nullptr;
   frame.gbuffer = &gbuffer;
   frame.tree = &lights.tree();
   frame.cut = &lights.cut();
@@ -261,6 +283,7 @@ FrameView Session::Impl::view() const {
 }
 
 uint32_t Session::round_samples(uint32_t total) const {
+  if (find_technique(impl_->settings.technique).exact) return std::max(1u, total);
   constexpr uint32_t rounds_for_edges = 8, most_in_a_round = 256;
   const uint32_t wanted = impl_->plan.antialiased ? (total + rounds_for_edges - 1) / rounds_for_edges : total;
   return std::clamp(wanted, 1u, most_in_a_round);
@@ -284,6 +307,7 @@ void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::
   s.stats.seconds.sampling += pass.sampling_seconds / threads;
   s.stats.seconds.visibility += pass.visibility_seconds / threads;
   s.stats.seconds.resolve += pass.resolve_seconds / threads;
+  s.stats.seconds.gpu += pass.gpu_seconds;
   s.stats.rays += pass.rays;
   s.stats.useful_rays += pass.useful_rays;
   ++s.stats.passes;
@@ -318,11 +342,11 @@ void Session::set_camera(const Camera& camera) {
 void Session::set_settings(const RenderSettings& wanted) {
   Impl& s = *impl_;
   if (wanted == s.settings) return;
-  find_technique(wanted.technique);
+  check_backend(wanted);
   const RenderSettings before = std::exchange(s.settings, wanted);
   if (wanted.technique != before.technique) s.technique.reset();
   s.stale.technique = true;
-  s.stale.raster |= wanted.backend != before.backend;
+  s.stale.raster |= wanted.backend != before.backend || needs_gl(wanted) != needs_gl(before);
   s.stale.gbuffer |=
       wanted.width != before.width || wanted.height != before.height || wanted.light != before.light;
   s.stale.points |= group_changed(wanted.values, before.values, shared_settings());
@@ -375,6 +399,10 @@ const Camera& Session::camera() const { return impl_->camera; }
 const Plan& Session::plan() const { return impl_->plan; }
 const std::optional<GlDescription>& Session::gl() const { return impl_->gl; }
 const Film& Session::film() const { return impl_->film; }
+double Session::estimated_relmse() const {
+  const TechniqueInfo& technique = find_technique(impl_->settings.technique);
+  return technique.exact && technique.bias == Bias::biased ? -1 : impl_->film.estimated_relmse();
+}
 const GBuffer& Session::gbuffer() const { return impl_->gbuffer; }
 const SessionStats& Session::stats() const { return impl_->stats; }
 

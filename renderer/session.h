@@ -33,6 +33,7 @@ struct RenderSettings {
 /// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session did first.
 struct StageSeconds {
   double load = 0, raster = 0, lights = 0, distribution = 0, sampling = 0, visibility = 0, resolve = 0, total = 0;
+  double gpu = 0;  ///< of the GPU, within `sampling`: by timer queries, or by the clock where the driver has none
 };
 
 struct SessionStats {
@@ -64,19 +65,24 @@ class Session {
   const std::optional<GlDescription>& gl() const;  ///< nothing where the G-buffer comes from rays
 
   void set_camera(const Camera&);           ///< redraws the G-buffer
+  /// Throws Error (exit code 4), and changes nothing, where the technique needs OpenGL and the back end is `none`.
   void set_settings(const RenderSettings&);  ///< redoes what the difference asks for
   /// Re-lights the points and re-cuts; geometry stays.
   void edit_lights(const LightEdits&);
   LightEdits light_edits() const;  ///< as they are now
 
   /// Samples a pixel for each round when `total` are wanted: many rounds where each redraws S and moves the pixel grid
-  /// (continuous target), few where a round only adds samples to the same frame.
+  /// (continuous target), few where a round only adds samples to the same frame, one where a pass gives all there is
+  /// (TechniqueInfo::exact).
   uint32_t round_samples(uint32_t total) const;
 
   /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the frame.
   void run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop = {});
 
   const Film& film() const;
+  /// The film's own estimate of its relMSE; negative where it has none to give, as of a technique without noise that is
+  /// biased all the same.
+  double estimated_relmse() const;
   const GBuffer& gbuffer() const;
   const SessionStats& stats() const;
   void restart();  ///< clears the film

@@ -27,6 +27,7 @@ using uint = unsigned int;
 #define BINDING_POINTS 8
 #define BINDING_RESULT 9
 #define BINDING_TRIANGLE_MATERIALS 10
+#define BINDING_FILTERED_LIGHT 11
 
 // Texture units. The first seven are the material's textures, in the order of MATERIAL_*.
 #define MATERIAL_BASE_COLOR 0
@@ -40,7 +41,8 @@ using uint = unsigned int;
 #define UNIT_SHADOW_MAPS 7
 #define UNIT_SHADOW_CUBES 8
 #define UNIT_GBUFFER_IDS 9
-#define UNIT_GBUFFER_VALUES 10  // and the units that follow
+#define UNIT_GBUFFER_VALUES 10  // and the four units that follow
+#define UNIT_FILTERED_MAPS 15
 
 // Targets of the G-buffer; the first is RGBA32UI (bits of the position, triangle), the others RGBA32F:
 // shading normal, f90 | tangent, roughness.x | diffuse, roughness.y | specular, octahedral normal.x | emission, .y
@@ -128,7 +130,17 @@ struct GpuPoint {
   vec4 normal;
 };
 
+// Light of the environment on what reflects diffusely, by the normal in the environment map's frame: nine spherical
+// harmonics for each of the two diffuse terms.
+#define SCHLICK_MEANS 32
+struct GpuFilteredLight {
+  vec4 lambert[9];    // irradiance
+  vec4 ashikhmin[9];  // the same weighed with the part of their diffuse term that depends on the light
+  float schlick_means[SCHLICK_MEANS];  // by the cosine of the view: `schlick_means` of filtered_environment.h
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(GpuFilteredLight) == 18 * 16 + SCHLICK_MEANS * 4);
 static_assert(sizeof(GpuTextureUse) == 48);
 static_assert(sizeof(GpuMaterial) == 8 * 16 + MATERIAL_TEXTURES * 48);
 static_assert(sizeof(GpuLight) == 96);

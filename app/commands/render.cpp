@@ -65,7 +65,7 @@ std::string progress_text(const Session& session, const SamplingGoal& goal) {
   std::string text = fmt::format("{:.4g}", film.mean_samples());
   if (goal.samples) text += fmt::format(" of {}", *goal.samples);
   text += " samples a pixel";
-  if (const double error = film.estimated_relmse(); error >= 0)
+  if (const double error = session.estimated_relmse(); error >= 0)
     text += fmt::format(", estimated error {:.2g}", error);
   if (goal.error) text += fmt::format(" (goal {:.2g})", *goal.error);
   return text;
@@ -81,7 +81,7 @@ ImageRgb finished_picture(const Film& film) {
 
 std::string summary(const RenderRecord& record) {
   const Film& film = record.session->film();
-  const double error = film.estimated_relmse();
+  const double error = record.session->estimated_relmse();
   return fmt::format("{}: {}x{}, {:.4g} samples a pixel in {:.1f} s{}{}", record.options->output,
                      film.width(), film.height(), film.mean_samples(), record.total_seconds,
                      error < 0 ? "" : fmt::format(", estimated relMSE {:.2g}", error),
@@ -124,8 +124,9 @@ int run_render(const Options& options) {
     messages.warn("the picture is black: no light reaches what the camera sees");
   if (const auto pixel = session.film().first_nan_pixel()) {
     const auto width = static_cast<uint32_t>(session.film().width());
-    messages.warn(fmt::format("{} samples were not finite and count as 0; the first in pixel ({}, {}), seed {}",
-                              session.film().nan_samples(), *pixel % width, *pixel / width, session.settings().seed));
+    messages.warn(
+        fmt::format("{} samples were not finite and count as 0; the first in pixel ({}, {}), seed {}",
+                    session.film().nan_samples(), *pixel % width, *pixel / width, session.settings().seed));
   }
   progress.hide();
   warnings.print_new(messages);

@@ -21,7 +21,8 @@ Json seconds_json(const RenderRecord& record) {
           {"distribution", s.distribution},
           {"sampling", s.sampling},
           {"visibility", s.visibility},
-          {"resolve", s.resolve}};
+          {"resolve", s.resolve},
+          {"gpu", s.gpu}};
 }
 
 Json settings_json(const Session& session) {
@@ -94,7 +95,7 @@ Json render_json(const RenderRecord& record) {
   const SessionStats& stats = session.stats();
   const Film& film = session.film();
   const Vec3 mean = film.mean_radiance();
-  const double error = film.estimated_relmse();
+  const double error = session.estimated_relmse();
   Json json;
   json["program"] = program_name();
   json["scene"] = session.scene().facts.source;

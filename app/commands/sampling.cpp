@@ -10,7 +10,8 @@ namespace {
 constexpr uint32_t stride = 4, subsets = stride * stride;
 constexpr uint32_t first_round = 8;        ///< samples a pixel, where no total says how to share them out
 constexpr double longest_whole_round = 1;  ///< seconds; longer rounds go by subsets, to show how they get on
-constexpr uint32_t most_unmeasured = 64;    ///< samples of a whole round before its cost is known
+constexpr uint32_t most_unmeasured = 64;   ///< samples of a whole round before its cost is known
+constexpr uint32_t exact_samples = 40;     ///< of a single pass that is all there is, unless told
 constexpr double most_for_balance = 16;    ///< samples a round takes on to be worth its distributions
 
 /// Measured seconds of a round: its frame (S and pixel grid redrawn, continuous target only), the
@@ -33,6 +34,7 @@ class Sampler {
 
  private:
   uint32_t next_round() const;
+  StopReason only_round(const TechniqueInfo&);
   void whole_round(uint32_t samples);
   void round_in_subsets(uint32_t samples, bool every_pixel);
   double time_left() const { return goal_.seconds ? *goal_.seconds - clock_.seconds() : infinity; }
@@ -102,10 +104,23 @@ bool Sampler::time_is_up() const {
   return time_left() < std::max(0.03 * goal_.seconds.value_or(0), cost_.frame + cost_.of_pixels(1) / subsets);
 }
 
+/// All there is in one round. What the GPU does is quick, and best done at once.
+StopReason Sampler::only_round(const TechniqueInfo& technique) {
+  const uint32_t samples = session_.round_samples(goal_.samples.value_or(exact_samples));
+  if (technique.device == Device::gpu) {
+    whole_round(samples);
+    if (after_pass_) after_pass_();
+  } else {
+    round_in_subsets(samples, true);
+  }
+  return stop_.stop_requested() ? StopReason::interrupted : StopReason::samples;
+}
+
 StopReason Sampler::run() {
+  const TechniqueInfo& technique = find_technique(session_.settings().technique);
+  if (technique.exact) return only_round(technique);
   for (bool first = true;; first = false) {
     if (stop_.stop_requested()) return StopReason::interrupted;
-    if (!first && find_technique(session_.settings().technique).exact) return StopReason::samples;
     if (goal_.samples && done_ >= *goal_.samples) return StopReason::samples;
     if (!first && goal_.seconds && time_is_up()) return StopReason::time;
     const double error = first ? -1 : session_.film().estimated_relmse();
@@ -114,7 +129,8 @@ StopReason Sampler::run() {
     // Until the first subset has told what a sample costs, a timed picture starts with as few as give both
     // halves one.
     const uint32_t samples = first && goal_.seconds ? std::min(next_round(), 2u) : next_round();
-    const bool may_be_long = cost_.known() ? cost_.of(samples) > longest_whole_round : samples > most_unmeasured;
+    const bool may_be_long =
+        cost_.known() ? cost_.of(samples) > longest_whole_round : samples > most_unmeasured;
     const bool fits = !goal_.seconds || (!first && cost_.of(samples) < time_left());
     if (fits && !may_be_long) {
       whole_round(samples);

@@ -59,6 +59,7 @@ Json techniques_json() {
                     {"title", info.title},
                     {"target", target_support_name(info.target)},
                     {"bias", bias_name(info.bias)},
+                    {"device", info.device == Device::gpu ? "gpu" : "cpu"},
                     {"source", info.source},
                     {"note", info.note},
                     {"settings", keys}});

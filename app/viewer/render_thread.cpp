@@ -9,6 +9,7 @@ namespace {
 // A pass covers one of 16 interleaved subsets of the pixels with all its samples: about 100 ms on two cores.
 constexpr uint32_t pass_stride = 4;
 constexpr uint32_t first_round_samples = 4, later_round_samples = 16;
+constexpr uint32_t only_round_samples = 40;  ///< where a pass gives all there is
 
 Vec3 look_at_point(const Session& session) {
   const GBuffer& gbuffer = session.gbuffer();
@@ -134,9 +135,7 @@ void RenderThread::loop() {
     bool run = false;
     {
       std::unique_lock lock(mutex_);
-      const auto unfinished = [&] {
-        return session_ && !paused_ && session_->film().mean_samples() < sample_limit_;
-      };
+      const auto unfinished = [&] { return session_ && !paused_ && !converged(); };
       changed_.wait(lock, [&] { return quit_ || wishes_.any() || unfinished(); });
       if (quit_) break;
       wishes = std::exchange(wishes_, {});
@@ -194,10 +193,19 @@ void RenderThread::run_one_pass() {
     stop = pass_stop_.get_token();
     if (wishes_.any() || quit_) return;
   }
-  session_->run_pass(rounds_ == 0 ? first_round_samples : later_round_samples, pass_stride, subset_, stop);
+  const bool single = find_technique(session_->settings().technique).exact;
+  const uint32_t samples = single         ? std::min(only_round_samples, sample_limit_)
+                           : rounds_ == 0 ? first_round_samples
+                                          : later_round_samples;
+  session_->run_pass(samples, pass_stride, subset_, stop);
   if (stop.stop_requested()) return;
   if (++subset_ == pass_stride * pass_stride) subset_ = 0, ++rounds_;
   publish();
+}
+
+bool RenderThread::converged() const {
+  return session_->film().mean_samples() >= sample_limit_ ||
+         (rounds_ > 0 && find_technique(session_->settings().technique).exact);
 }
 
 void RenderThread::publish() {
@@ -211,11 +219,11 @@ void RenderThread::publish() {
   snapshot->technique = session_->settings().technique;
   snapshot->target = choose_target(find_technique(snapshot->technique), session_->settings().target);
   snapshot->mean_samples = film.mean_samples();
-  snapshot->estimated_relmse = rounds_ > 0 ? film.estimated_relmse() : -1;
+  snapshot->estimated_relmse = rounds_ > 0 ? session_->estimated_relmse() : -1;
   snapshot->seconds = since_restart_.seconds();
   snapshot->nan_samples = film.nan_samples();
   snapshot->pivot = look_at_point(*session_);
-  snapshot->converged = film.mean_samples() >= sample_limit_;
+  snapshot->converged = converged();
   std::lock_guard lock(mutex_);
   latest_ = std::move(snapshot);
 }

@@ -45,7 +45,7 @@ struct Snapshot {
   double seconds = 0;  ///< since the picture was begun again
   uint64_t nan_samples = 0;
   Vec3 pivot{0};           ///< what the camera looks at
-  bool converged = false;  ///< the sample limit is reached
+  bool converged = false;  ///< the sample limit is reached, or the technique has no more to give
 };
 
 class RenderThread {
@@ -89,6 +89,7 @@ class RenderThread {
   void open_scene(const SceneLoader&);
   void run_one_pass();
   void publish();
+  bool converged() const;
   void report(const std::string& text, bool error);
 
   mutable std::mutex mutex_;

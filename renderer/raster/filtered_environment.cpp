@@ -1,7 +1,8 @@
 #include "raster/filtered_environment.h"
 
+#include <cmath>
+
 #include "core/parallel.h"
-#include "core/warp.h"
 
 namespace halflight {
 
@@ -25,8 +26,7 @@ Environment halved(const Environment& environment) {
       double weights = 0;
       for (int j = top; j < low; ++j) {
         const double weight = texel_solid_angle(environment, j);
-        for (int i = left; i < right; ++i)
-          sum += weight * Vec3d(environment.map.at(i, j)), weights += weight;
+        for (int i = left; i < right; ++i) sum += weight * Vec3d(environment.map.at(i, j)), weights += weight;
       }
       half.map.at(x, y) = Vec3(sum / weights);
     }
@@ -42,8 +42,7 @@ Vec3 texel_mean(const Environment& environment, int size, int x, int y, int map)
   for (int piece = 0; piece < pieces * pieces; ++piece) {
     const Vec2 inside((static_cast<float>(piece % pieces) + 0.5f) / pieces,
                       (static_cast<float>(piece / pieces) + 0.5f) / pieces);
-    const Vec3 direction =
-        paraboloid_direction({(Vec2(x, y) + inside) / static_cast<float>(size), map});
+    const Vec3 direction = paraboloid_direction({(Vec2(x, y) + inside) / static_cast<float>(size), map});
     // Beyond the hemisphere the distortion goes on with the sign of z.
     const float weight = square(1 + (map == 0 ? direction.z : -direction.z));
     sum += weight * environment_radiance(environment, direction);
@@ -53,7 +52,8 @@ Vec3 texel_mean(const Environment& environment, int size, int x, int y, int map)
 }
 
 Vec3 map_texel_direction(const Environment& environment, int x, int y) {
-  return environment_direction(environment, (Vec2(x, y) + 0.5f) / Vec2(environment.map.width, environment.map.height));
+  return environment_direction(environment,
+                               (Vec2(x, y) + 0.5f) / Vec2(environment.map.width, environment.map.height));
 }
 
 /// In the map's own frame and units.
@@ -82,7 +82,8 @@ float paraboloid_distortion(Vec3 direction) {
 
 float filtered_level(int size, uint32_t samples, float pdf, float distortion, float bias) {
   const float texels = static_cast<float>(size) * static_cast<float>(size);
-  const float level = 0.5f * std::log2(texels / static_cast<float>(samples)) - 0.5f * std::log2(pdf * distortion);
+  const float level =
+      0.5f * std::log2(texels / static_cast<float>(samples)) - 0.5f * std::log2(pdf * distortion);
   return std::max(0.0f, level) + bias;
 }
 
@@ -103,9 +104,10 @@ ParaboloidMaps make_paraboloid_maps(const Environment& environment, int size) {
   const size_t texels = static_cast<size_t>(size) * size;
   maps.texels.fill(std::vector<Vec4>(texels, Vec4(0)));
   if (!environment.present()) return maps;
-  // Texels of the map stay larger than the pieces that a texel of the maps is averaged from.
+  // Texels of the source stay several times as large as the pieces that a texel of the maps is averaged from,
+  // and no larger than what the maps resolve at their middles.
   Environment source = plain(environment);
-  while (source.map.height > 2 * size) source = halved(source);
+  while (source.map.height > size) source = halved(source);
   for (int map = 0; map < 2; ++map) {
     parallel_for(0, static_cast<size_t>(size), 4, [&](size_t begin, size_t end) {
       for (size_t y = begin; y < end; ++y)
@@ -179,8 +181,10 @@ std::array<float, 32> schlick_means() {
     const Vec3 wo(std::sqrt(1 - mu * mu), 0, mu);
     double sum = 0;
     for (int j = 0; j < steps * steps; ++j) {
-      const Vec2 u((static_cast<float>(j % steps) + 0.5f) / steps, (static_cast<float>(j / steps) + 0.5f) / steps);
-      const float cos_half = 0.5f * glm::length(wo + cosine_hemisphere(u));
+      const float sin2 = (static_cast<float>(j % steps) + 0.5f) / steps, r = std::sqrt(sin2);
+      const float phi = pi * (static_cast<float>(j / steps) + 0.5f) / steps;
+      const Vec3 wi(r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - sin2));
+      const float cos_half = 0.5f * glm::length(wo + wi);
       sum += std::pow(std::max(0.0, 1.0 - static_cast<double>(cos_half)), 5);
     }
     means[i] = static_cast<float>(sum / (steps * steps));

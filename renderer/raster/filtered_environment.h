@@ -1,6 +1,6 @@
-// The environment as GPU Gems 3, chapter 20 (Colbert & Křivánek 2007) looks it up: scaled dual-paraboloid maps
-// whose mip level follows from a sample's density, and spherical harmonics for diffuse reflection. All in the
-// map's own frame: rotation and strength are applied where it is looked up.
+// The environment as GPU Gems 3, chapter 20 (Colbert & Křivánek 2007) looks it up: scaled dual-paraboloid
+// maps whose mip level follows from a sample's density, and spherical harmonics for diffuse reflection. All
+// in the map's own frame: rotation and strength are applied where it is looked up.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ Vec3 paraboloid_direction(ParaboloidPoint);
 /// 4 b² (1 + |z|)².
 float paraboloid_distortion(Vec3 direction);
 
-/// Eq. 13 with its bias: the mip level of maps of `size`² texels that averages what one of `samples` samples of
-/// density `pdf` (per solid angle) stands for, at least 0, plus `bias`.
+/// Eq. 13 with its bias: the mip level of maps of `size`² texels that averages what one of `samples` samples
+/// of density `pdf` (per solid angle) stands for, at least 0, plus `bias`.
 float filtered_level(int size, uint32_t samples, float pdf, float distortion, float bias);
 
 /// Point i of the Hammersley set of n (eq. 10), in [0, 1)².
@@ -67,8 +67,8 @@ std::array<float, 9> harmonics_at(Vec3 direction);
 double lambert_kernel(double cosine);
 double ashikhmin_kernel(double cosine);
 
-/// Mean over a cosine-weighted hemisphere of (1 − cos of the half angle)⁵ seen at cosine μ: what Schlick's Fresnel
-/// term takes of uniform light from the diffuse lobe. Entry i of n is μ = i/(n − 1).
+/// Mean over a cosine-weighted hemisphere of (1 − cos of the half angle)⁵ seen at cosine μ: what Schlick's
+/// Fresnel term takes of uniform light from the diffuse lobe. Entry i of n is μ = i/(n − 1).
 std::array<float, 32> schlick_means();
 
 }  // namespace halflight

@@ -17,22 +17,23 @@ constexpr uint32_t most_points = 4096;
 
 uint32_t groups(uint32_t count) { return (count + DIRECT_LIGHT_GROUP - 1) / DIRECT_LIGHT_GROUP; }
 
-/// Seconds the GPU is busy from construction to `seconds`: by a timer query, or where the driver has none by
-/// the clock, with all work done at either end.
+/// Seconds the GPU is busy from construction to `seconds`: by a timer query, or by the clock, with all work
+/// done at either end, where the driver has none or is a software rasteriser (llvmpipe's count no compute
+/// shader).
 class GpuTimer {
  public:
-  explicit GpuTimer(const GlFunctions& gl) : gl_(gl) {
+  explicit GpuTimer(const GlContextBase& context) : gl_(context.gl) {
     GLint bits = 0;
-    gl.GetQueryiv(GL_TIME_ELAPSED, GL_QUERY_COUNTER_BITS, &bits);
-    if (bits == 0) {
-      gl.Finish();
+    gl_.GetQueryiv(GL_TIME_ELAPSED, GL_QUERY_COUNTER_BITS, &bits);
+    if (bits == 0 || context.description().software) {
+      gl_.Finish();
       watch_.lap();
       return;
     }
     GLuint name = 0;
-    gl.GenQueries(1, &name);
-    query_ = GlName(name, gl.DeleteQueries);
-    gl.BeginQuery(GL_TIME_ELAPSED, query_);
+    gl_.GenQueries(1, &name);
+    query_ = GlName(name, gl_.DeleteQueries);
+    gl_.BeginQuery(GL_TIME_ELAPSED, query_);
   }
   double seconds() {
     if (query_ == 0) {
@@ -146,8 +147,7 @@ FilteredResult FilteredLight::light(const GpuScene& scene, const Environment& en
 
   bind(scene, environment, gbuffer, request);
   program_.set("subset_width", width);
-  const auto band_rows =
-      static_cast<uint32_t>(std::clamp<size_t>(band_pixels / width, 1, height));
+  const auto band_rows = static_cast<uint32_t>(std::clamp<size_t>(band_pixels / width, 1, height));
   const auto chunk = static_cast<uint32_t>(
       std::clamp<size_t>(dispatch_samples / (static_cast<size_t>(band_rows) * width), 1, most_points));
   const GlName lit = make_storage(gl, size_t{band_rows} * width * sizeof(Vec3), nullptr, GL_STREAM_READ);
@@ -156,7 +156,7 @@ FilteredResult FilteredLight::light(const GpuScene& scene, const Environment& en
     const uint32_t rows = std::min(band_rows, height - row);
     program_.set("row_count", rows);
     program_.set("first_pixel_y", first_y + row * request.stride);
-    GpuTimer timer(gl);
+    GpuTimer timer(context_);
     for (uint32_t first = 0; first < request.samples && result.finished; first += chunk) {
       const auto points = sample_points(first, std::min(chunk, request.samples - first), request.samples);
       const GlName storage = make_storage(gl, std::span<const Vec4>(points), GL_STREAM_DRAW);

@@ -76,6 +76,20 @@ GBufferTexel surface_texel(const Scene& scene, const RawTexel& raw, Vec3 wo) {
 
 }  // namespace
 
+void bind_gbuffer(const GlFunctions& gl, const GlProgram& program, const GpuScene& scene,
+                  const GBufferPass& gbuffer) {
+  const Camera& camera = gbuffer.camera();
+  program.set("eye", camera.position);
+  program.set("ray_back", camera.back);
+  program.set("orthographic", camera.projection == Projection::orthographic ? 1 : 0);
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MATERIALS, scene.materials);
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_TRIANGLE_MATERIALS, scene.triangle_materials);
+  for (int i = 0; i < GBUFFER_TARGETS; ++i) {
+    gl.ActiveTexture(GL_TEXTURE0 + UNIT_GBUFFER_IDS + i);
+    gl.BindTexture(GL_TEXTURE_2D, gbuffer.targets().colors[i]);
+  }
+}
+
 Mat4 raster_projection(const Camera& camera, const Aabb& bounds, int width, int height, Vec2 jitter) {
   const ClipRange range = clip_range(camera, bounds);
   // The sample points move one way, the picture the other.

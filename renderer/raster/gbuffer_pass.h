@@ -38,6 +38,9 @@ class GBufferPass {
   Camera camera_;
 };
 
+/// Binds the G-buffer drawn last for a compute `program` that includes gbuffer_point.glsl and is in use.
+void bind_gbuffer(const GlFunctions&, const GlProgram& program, const GpuScene&, const GBufferPass&);
+
 /// Clip space from offsets to the eye in world axes: rows from the top, depth near/z (perspective) or 1 −
 /// z/far (orthographic), so that floating point resolves every distance alike. `jitter` moves the sample
 /// points, in pixels.

@@ -38,7 +38,9 @@ namespace halflight {
   X(UNIFORM2F, Uniform2f) X(UNIFORM3FV, Uniform3fv) X(UNIFORM4FV, Uniform4fv)                                 \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv) X(UNMAPBUFFER, UnmapBuffer) X(USEPROGRAM, UseProgram)                 \
   X(VERTEXATTRIBIPOINTER, VertexAttribIPointer) X(VERTEXATTRIBPOINTER, VertexAttribPointer)                   \
-  X(VIEWPORT, Viewport)
+  X(VIEWPORT, Viewport) X(GENERATEMIPMAP, GenerateMipmap) X(FINISH, Finish) X(GENQUERIES, GenQueries)         \
+  X(DELETEQUERIES, DeleteQueries) X(BEGINQUERY, BeginQuery) X(ENDQUERY, EndQuery) X(GETQUERYIV, GetQueryiv)    \
+  X(GETQUERYOBJECTUI64V, GetQueryObjectui64v)
 // clang-format on
 
 /// Finds a GL function by name; null where it is missing.

@@ -66,6 +66,14 @@ GlName make_storage(const GlFunctions& gl, size_t bytes, const void* data, GLenu
   return buffer;
 }
 
+void read_triples(const GlFunctions& gl, const GlName& buffer, std::span<Vec3> values) {
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+  gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(values.size_bytes()),
+                      values.data());
+  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, 0);
+}
+
 GlProgram::GlProgram(const GlFunctions& gl, std::initializer_list<ShaderStage> stages,
                      const std::vector<std::string>& defines)
     : gl_(&gl), program_(gl.CreateProgram()) {

@@ -49,6 +49,9 @@ GlName make_storage(const GlFunctions& gl, std::span<const T> values, GLenum usa
   return make_storage(gl, values.size_bytes(), values.data(), usage);
 }
 
+/// Waits for what shaders wrote to a storage buffer of triples and reads its first ones.
+void read_triples(const GlFunctions&, const GlName& buffer, std::span<Vec3> values);
+
 /// One stage of a program: a file of shaders/.
 struct ShaderStage {
   GLenum type;

@@ -20,14 +20,6 @@ GlName bind_result(const GlFunctions& gl, size_t count) {
   return buffer;
 }
 
-void read_result(const GlFunctions& gl, const GlName& buffer, std::span<Vec3> values) {
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
-  gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(values.size_bytes()),
-                      values.data());
-  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, 0);
-}
-
 }  // namespace
 
 PunctualPasses::PunctualPasses(GlContextBase& context)
@@ -51,7 +43,7 @@ std::vector<Vec3> PunctualPasses::light_points(ShadowMaps& shadows, const Scene&
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_POINTS, input);
   const GlName result = bind_result(gl, irradiance.size());
   gl.DispatchCompute(groups(points.size(), LIGHT_POINT_GROUP), 1, 1);
-  read_result(gl, result, irradiance);
+  read_triples(gl, result, irradiance);
   context_.check("lighting the surface points");
   return irradiance;
 }
@@ -61,21 +53,12 @@ void PunctualPasses::add_direct(ShadowMaps& shadows, const GpuScene& gpu_scene, 
   if (radiance.empty() || scene.lights.empty()) return;
   const GlFunctions& gl = context_.gl;
   const GBufferTargets& targets = gbuffer.targets();
-  const Camera& camera = gbuffer.camera();
   const size_t width = static_cast<size_t>(targets.width), height = static_cast<size_t>(targets.height);
 
   direct_.use();
   shadows.bind(scene, direct_);
-  direct_.set("eye", camera.position);
-  direct_.set("ray_back", camera.back);
-  direct_.set("orthographic", camera.projection == Projection::orthographic ? 1 : 0);
+  bind_gbuffer(gl, direct_, gpu_scene, gbuffer);
   direct_.set("picture_width", static_cast<uint32_t>(width));
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MATERIALS, gpu_scene.materials);
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_TRIANGLE_MATERIALS, gpu_scene.triangle_materials);
-  for (int i = 0; i < GBUFFER_TARGETS; ++i) {
-    gl.ActiveTexture(GL_TEXTURE0 + UNIT_GBUFFER_IDS + i);
-    gl.BindTexture(GL_TEXTURE_2D, targets.colors[i]);
-  }
 
   const size_t band_rows = std::max<size_t>(1, std::min(height, band_pixels / width));
   std::vector<Vec3> band(band_rows * width);
@@ -85,7 +68,7 @@ void PunctualPasses::add_direct(ShadowMaps& shadows, const GpuScene& gpu_scene, 
     direct_.set("first_row", static_cast<uint32_t>(row));
     direct_.set("row_count", static_cast<uint32_t>(rows));
     gl.DispatchCompute(groups(width, DIRECT_LIGHT_GROUP), groups(rows, DIRECT_LIGHT_GROUP), 1);
-    read_result(gl, result, std::span(band).first(rows * width));
+    read_triples(gl, result, std::span(band).first(rows * width));
     for (size_t i = 0; i < rows * width; ++i) radiance[row * width + i] += band[i];
   }
   context_.check("adding the direct light");

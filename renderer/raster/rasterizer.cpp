@@ -1,5 +1,6 @@
 #include "raster/rasterizer.h"
 
+#include "raster/filtered_light.h"
 #include "raster/gbuffer_pass.h"
 #include "raster/punctual_passes.h"
 #include "raster/shadow_maps.h"
@@ -21,6 +22,7 @@ struct Rasterizer::Impl {
   GBufferPass gbuffer;
   ShadowMaps shadows;
   PunctualPasses punctual;
+  std::optional<FilteredLight> filtered;  ///< made when first asked for
 };
 
 Rasterizer::Rasterizer(GlContext& context, const Scene& scene, const RasterSettings& settings,
@@ -71,6 +73,23 @@ void Rasterizer::add_punctual(const GBuffer& gbuffer, std::vector<Vec3>& radianc
   const StateGuard guard(impl_->context.gl);
   impl_->shadows.draw_if_moved(impl_->gpu_scene, impl_->scene);
   impl_->punctual.add_direct(impl_->shadows, impl_->gpu_scene, impl_->scene, impl_->gbuffer, radiance);
+}
+
+void Rasterizer::prepare_filtered(int map_size) {
+  impl_->context.make_current();
+  const StateGuard guard(impl_->context.gl);
+  if (!impl_->filtered) impl_->filtered.emplace(impl_->context);
+  impl_->filtered->prepare(impl_->scene.environment, map_size);
+}
+
+FilteredResult Rasterizer::filtered_light(const GBuffer& gbuffer, const FilteredRequest& request) {
+  HALFLIGHT_CHECK(impl_->filtered);
+  if (gbuffer.pixel_count() == 0) return {};
+  const GBufferTargets& targets = impl_->gbuffer.targets();
+  HALFLIGHT_CHECK(gbuffer.width == targets.width && gbuffer.height == targets.height);
+  impl_->context.make_current();
+  const StateGuard guard(impl_->context.gl);
+  return impl_->filtered->light(impl_->gpu_scene, impl_->scene.environment, impl_->gbuffer, request);
 }
 
 }  // namespace halflight

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,6 +46,21 @@ struct RasterSettings {
   int shadow_cube_size = 1024;
 };
 
+/// One pass of filtered importance sampling over every `stride`-th pixel in x and y (see `PassRequest`).
+struct FilteredRequest {
+  uint32_t samples = 40;
+  bool filter = true;  ///< false: every sample is looked up in the full map
+  float bias = 1;      ///< added to the mip level
+  uint32_t stride = 1, offset = 0;
+  std::stop_token stop{};
+};
+
+struct FilteredResult {
+  std::vector<Vec3> radiance;  ///< of the subset's pixels, row by row; 0 where nothing reflects
+  double gpu_seconds = 0;
+  bool finished = true;  ///< false when stopped early: the radiances are good for nothing
+};
+
 /// A scene on the GPU. Keeps references to the context and the scene. Its functions make the context current
 /// on the calling thread, leave its state as they found it, and throw Error: exit code 4 where OpenGL runs
 /// out of memory or its context is lost (the caller may go on with rays), else 1.
@@ -69,6 +85,14 @@ class Rasterizer {
 
   /// D_punctual of the G-buffer drawn last, by shadow maps: f · cos θ · E, added to `radiance` (one a pixel).
   void add_punctual(const GBuffer&, std::vector<Vec3>& radiance);
+
+  /// Makes maps of the environment of `map_size`² texels (a power of two) for `filtered_light`, unless they
+  /// stand.
+  void prepare_filtered(int map_size);
+
+  /// Light of the environment, unshadowed, on the G-buffer drawn last (GPU Gems 3, chapter 20); the maps are
+  /// those of the last `prepare_filtered`, which must have been called.
+  FilteredResult filtered_light(const GBuffer&, const FilteredRequest&);
 
  private:
   struct Impl;

@@ -83,7 +83,6 @@ CarMaterials add_materials(Scene& scene) {
   m.paint = add("paint", {0.39f, 0.015f, 0.011f}, Vec3(0.22f), 100);
   m.glass = add("glass", {0.008f, 0.010f, 0.011f}, Vec3(0.30f), 100);
   m.chrome = add("chrome", Vec3(0.03f), {0.80f, 0.81f, 0.83f}, 100);
-  m.rubber = add("rubber", Vec3(0.015f), Vec3(0.04f), 20);
   m.tyre = add("tyre", Vec3(0.022f), Vec3(0.05f), 12);
   m.rim = add("rim", Vec3(0.16f, 0.16f, 0.165f), Vec3(0.45f), 60);
   m.lamp = add("lamp", {0.30f, 0.30f, 0.29f}, Vec3(0.55f), 100);

@@ -10,7 +10,7 @@ namespace halflight {
 
 /// Materials of the car, as indices into the scene's.
 struct CarMaterials {
-  uint32_t paint, glass, chrome, rubber, tyre, rim, lamp, tail_lamp, dark;
+  uint32_t paint, glass, chrome, tyre, rim, lamp, tail_lamp, dark;
 };
 
 inline constexpr float car_floor = 0.21f;  ///< height of the underside

@@ -140,22 +140,4 @@ Mesh implicit_mesh(const Field& field, const Aabb& box, float cell) {
   return mesh;
 }
 
-float ellipsoid_distance(Vec3 p, Vec3 centre, Vec3 radii) {
-  const Vec3 q = (p - centre) / radii;
-  const float scaled = glm::length(q), slope = glm::length(q / radii);
-  const float least = std::min(radii.x, std::min(radii.y, radii.z));
-  return slope > 0 ? scaled * (scaled - 1) / slope : -least;
-}
-
-float rod_distance(Vec3 p, Vec3 a, Vec3 b, float ra, float rb) {
-  const Vec3 axis = b - a;
-  const float t = glm::clamp(glm::dot(p - a, axis) / glm::dot(axis, axis), 0.0f, 1.0f);
-  return glm::length(p - a - t * axis) - glm::mix(ra, rb, t);
-}
-
-float blend_union(float a, float b, float width) {
-  const float overlap = std::max(width - std::abs(a - b), 0.0f) / width;
-  return std::min(a, b) - 0.25f * width * overlap * overlap;
-}
-
 }  // namespace halflight

@@ -18,11 +18,21 @@ Vec3 gradient_at(const Field& field, Vec3 p, float step) {
   return g;
 }
 
-/// The point of the surface near `p`, by two steps of Newton's along the gradient.
+/// The point of the surface near `p`: Newton's steps along the gradient, which is taken once.
 Vec3 surface_point(const Field& field, Vec3 p, float step) {
-  for (int i = 0; i < 2; ++i) {
-    const Vec3 g = gradient_at(field, p, step);
-    if (const float slope = glm::dot(g, g); slope > 0) p -= g * (field(p) / slope);
+  float value = field(p);
+  Vec3 g;
+  for (int a = 0; a < 3; ++a) {
+    Vec3 beside = p;
+    beside[a] += step;
+    g[a] = (field(beside) - value) / step;
+  }
+  const float slope = glm::dot(g, g);
+  for (int i = 0; i < 3 && slope > 0; ++i) {
+    const Vec3 next = p - g * (value / slope);
+    const float there = field(next);
+    if (!(std::abs(there) < std::abs(value))) break;
+    p = next, value = there;
   }
   return p;
 }
@@ -38,15 +48,23 @@ Vertex crossing(const Field& field, const Field& side, const Vertex& one, const 
   const auto on_surface = [&](float t) {
     return surface_point(field, glm::mix(a.position, b.position, t), step);
   };
-  float low = 0, high = 1;
-  const bool from_inside = side(a.position) < 0;
+  // False position; the end that stays counts half from then on (the Illinois rule).
+  float low = 0, high = 1, at_low = side(a.position), at_high = side(b.position), t = 0.5f;
+  const float near_enough = 1e-5f * glm::length(b.position - a.position);
+  int kept = 0;
   for (int i = 0; i < 12; ++i) {
-    const float t = 0.5f * (low + high);
-    ((side(on_surface(t)) < 0) == from_inside ? low : high) = t;
+    t = glm::mix(low, high, glm::clamp(at_low / (at_low - at_high), 0.02f, 0.98f));
+    const float here = side(on_surface(t));
+    if (std::abs(here) < near_enough) break;
+    const bool is_low = (here < 0) == (at_low < 0);
+    (is_low ? low : high) = t;
+    (is_low ? at_low : at_high) = here;
+    if (kept == (is_low ? 1 : -1)) (is_low ? at_high : at_low) *= 0.5f;
+    kept = is_low ? 1 : -1;
   }
   Vertex v = a;
-  v.position = on_surface(0.5f * (low + high));
-  v.uv[0] = glm::mix(a.uv[0], b.uv[0], 0.5f * (low + high));
+  v.position = on_surface(t);
+  v.uv[0] = glm::mix(a.uv[0], b.uv[0], t);
   const Vec3 g = gradient_at(field, v.position, step);
   v.normal = glm::dot(g, g) > 0 ? glm::normalize(g) : glm::normalize(a.normal + b.normal);
   return v;

@@ -17,6 +17,7 @@ TechniqueInfo mis_technique();
 TechniqueInfo instant_technique();
 TechniqueInfo light_bvh_technique();
 TechniqueInfo stochastic_lightcuts_technique();
+TechniqueInfo filtered_technique();
 
 std::string_view target_name(Target target) { return target == Target::discrete ? "discrete" : "continuous"; }
 
@@ -25,7 +26,7 @@ std::span<const TechniqueInfo> techniques() {
       bidirectional_technique(), single_point_technique(), illumination_technique(),
       brdf_technique(),          sir_technique(),          mis_technique(),
       instant_technique(),       light_bvh_technique(),    stochastic_lightcuts_technique(),
-      reference_technique()};
+      filtered_technique(),      reference_technique()};
   return registry;
 }
 
@@ -57,6 +58,7 @@ bool uses_light_set(const TechniqueInfo& info, Target target) {
 PassStats& PassStats::operator+=(const PassStats& o) {
   distribution_seconds += o.distribution_seconds, sampling_seconds += o.sampling_seconds;
   visibility_seconds += o.visibility_seconds, resolve_seconds += o.resolve_seconds;
+  gpu_seconds += o.gpu_seconds;
   rays += o.rays;
   useful_rays += o.useful_rays, pixels += o.pixels;
   finished = finished && o.finished;

@@ -22,12 +22,16 @@
 
 namespace halflight {
 
+class Rasterizer;
+
 /// What a picture converges to: the sum over one frozen S seen through pixel centres, or the integral,
 /// antialiased.
 enum class Target { discrete, continuous };
 enum class TargetSupport { discrete, continuous, both, own };
 enum class Bias { unbiased, biased };
 enum class LightSelection { all, direct, indirect };
+/// Where a technique runs: `gpu` ones need OpenGL.
+enum class Device { cpu, gpu };
 
 std::string_view target_name(Target);
 
@@ -43,6 +47,7 @@ struct LightKinds {
 struct FrameView {
   const Scene* scene = nullptr;
   const RayScene* rays = nullptr;
+  Rasterizer* raster = nullptr;  ///< drew the G-buffer and still holds it; null where rays made it
   const GBuffer* gbuffer = nullptr;
   const LightTree* tree = nullptr;
   const Cut* cut = nullptr;
@@ -77,6 +82,7 @@ struct PassRequest {
 struct PassStats {
   double distribution_seconds = 0, sampling_seconds = 0, visibility_seconds = 0,
          resolve_seconds = 0;  ///< thread seconds
+  double gpu_seconds = 0;      ///< of the GPU, within `sampling_seconds`
   RayCounters rays;
   uint64_t useful_rays = 0;  ///< visibility rays that could carry light (f · L > 0)
   uint64_t pixels = 0;
@@ -114,7 +120,8 @@ struct TechniqueInfo {
   bool counts_brdf_rays = false;  ///< rays of specular lobes are counted over the cut
   /// In the continuous target it follows rays into the scene itself: its mean is no sum over the frame's S.
   bool leaves_s_when_continuous = false;
-  bool exact = false;   ///< one pass holds all the technique has to give; more passes repeat it
+  bool exact = false;  ///< one pass holds all the technique has to give; more passes repeat it
+  Device device = Device::cpu;
   bool hidden = false;  ///< found by its id, listed nowhere
 };
 
