@@ -115,6 +115,8 @@ void set_operands(Options& options, const Words& words) {
     if (words.operands.size() < 2) throw usage_error("`halflight error` needs an image and its reference");
     options.image = words.operands[0];
     options.reference = words.operands[1];
+  } else if (options.command == Command::experiments) {
+    if (!words.operands.empty()) options.experiment = words.operands[0];
   } else if (!words.operands.empty()) {
     options.scene = words.operands[0];
     options.scene_given = true;

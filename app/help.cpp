@@ -62,6 +62,8 @@ std::string operand_help(Command command) {
       return entry("  SCENE", fmt::format("a .gltf or .glb file, or a built-in scene: {} (default: bedroom)",
                                           fmt::join(names, ", ")));
     }
+    case Command::experiments:
+      return entry("  NAME", "an experiment that `halflight experiments` lists, or `all`");
     case Command::error:
       return entry("  IMAGE", "the picture: .exr, .hdr or .png") +
              entry("  REFERENCE", "what it should be, of the same size");

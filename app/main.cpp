@@ -22,6 +22,8 @@ int run_command(const Options& options) {
       return run_render(options);
     case Command::compare:
       return run_compare(options);
+    case Command::experiments:
+      return run_experiments(options);
     case Command::info:
       return run_info(options);
     case Command::error:

@@ -19,13 +19,16 @@ constexpr uint32_t of_pictures = of_shown | bit(Command::compare);
 constexpr uint32_t of_outputs = bit(Command::render) | bit(Command::compare);
 constexpr uint32_t of_results = bit(Command::render) | bit(Command::info) | bit(Command::error) |
                                 bit(Command::techniques) | bit(Command::scenes);
-constexpr uint32_t of_all = of_scenes | of_results;
+constexpr uint32_t of_all = of_scenes | of_results | bit(Command::experiments);
+constexpr uint32_t of_experiments = bit(Command::experiments);
 constexpr uint32_t of_races = bit(Command::compare);
 
-constexpr std::array<CommandInfo, 7> commands{{
+constexpr std::array<CommandInfo, 8> commands{{
     {Command::view, "view", "[SCENE]", "open the window on a scene"},
     {Command::render, "render", "[SCENE] -o OUT", "make one picture, without a window"},
     {Command::compare, "compare", "[SCENE] -o DIR", "race techniques: error against time, as a report"},
+    {Command::experiments, "experiments", "[NAME] -o DIR",
+     "make the papers' figures; without a name, list them"},
     {Command::info, "info", "[SCENE]", "show what is in a scene, and which stages rendering it takes"},
     {Command::error, "error", "IMAGE REFERENCE", "measure how far a picture is from its reference"},
     {Command::techniques, "techniques", "", "list the sampling techniques"},
@@ -102,6 +105,7 @@ void set_techniques(Options& o, const std::string& value) {
 
 void set_budgets(Options& o, const std::string& value) {
   o.budgets.clear();
+  o.budgets_given = true;
   for (const std::string& word : parse_list(value)) o.budgets.push_back(parse_number(word, 1e-3, 1e9));
 }
 
@@ -127,17 +131,17 @@ void set_limit(Options& o, const std::string& value) {
   o.load.limits.*field = static_cast<Field>(parse_amount(value, 1, std::numeric_limits<Field>::max()));
 }
 
-constexpr std::string_view scene_group = "Scene", picture_group = "Picture", sampling_group = "Sampling", race_group = "Race",
-                           output_group = "Output", machine_group = "Machine",
+constexpr std::string_view scene_group = "Scene", picture_group = "Picture", sampling_group = "Sampling",
+                           race_group = "Race", output_group = "Output", machine_group = "Machine",
                            limits_group = "Limits on what files may ask for", program_group = "Program";
 
 // Name, letter, metavar, default, group, label, help, commands, set, repeatable, path, choices, setting.
 const OptionInfo table[] = {
     {"environment", "", "FILE|NAME", "", scene_group, "Environment",
-     "light from all around: a .hdr or .exr map, latitude-longitude, or square for an angular map; or a built-in "
+     "light from all around: a .hdr or .exr map, latitude-longitude, or square for an angular map; or a "
+     "built-in "
      "one's name (`halflight scenes` lists them)",
-     of_scenes,
-     [](Options& o, const std::string& v) { o.environment = v; }, false, true},
+     of_scenes, [](Options& o, const std::string& v) { o.environment = v; }, false, true},
     {"environment-rotation", "", "DEG", "0", scene_group, "Rotation",
      "turn the environment about the vertical axis", of_scenes,
      [](Options& o, const std::string& v) {
@@ -162,8 +166,8 @@ const OptionInfo table[] = {
      of_scenes, set_switch<&Options::strict>},
 
     {"output", "o", "OUT", "", picture_group, "",
-     "the picture: .exr and .hdr hold radiance, .png what a screen shows; compare: the report's folder", of_outputs,
-     set_text<&Options::output>, false, true},
+     "the picture: .exr and .hdr hold radiance, .png what a screen shows; compare, experiments: a folder",
+     of_outputs | of_experiments, set_text<&Options::output>, false, true},
     {"size", "", "WxH", "640x480; view: the window's", picture_group, "Size", "width and height in pixels",
      of_scenes, set_size},
     {"light", "", "KIND", "all", picture_group, "Light",
@@ -207,8 +211,8 @@ const OptionInfo table[] = {
      [](Options& o, const std::string& v) {
        o.render.seed = parse_integer(v, 0, std::numeric_limits<uint64_t>::max());
      }},
-    {"virtual-lights", "", "N", "", sampling_group, "Virtual lights", "points placed for each kind of light", of_scenes,
-     set_setting_of<lights_count>, false, false, nullptr, lights_count},
+    {"virtual-lights", "", "N", "", sampling_group, "Virtual lights", "points placed for each kind of light",
+     of_scenes, set_setting_of<lights_count>, false, false, nullptr, lights_count},
     {"cut-error", "", "X", "", sampling_group, "Cut error",
      "relative error that a cluster of the illumination cut may keep", of_scenes, set_setting_of<cut_error>,
      false, false, nullptr, cut_error},
@@ -219,18 +223,24 @@ const OptionInfo table[] = {
      "any setting of the lights, the cut or a technique; `halflight techniques --settings` lists them",
      of_scenes, set_setting, true, false, setting_keys},
 
-    {"techniques", "", "A,B,C", "all", race_group, "", "who races; `halflight techniques` lists them", of_races,
-     set_techniques, false, false, technique_ids_or_all},
+    {"techniques", "", "A,B,C", "all", race_group, "", "who races; `halflight techniques` lists them",
+     of_races, set_techniques, false, false, technique_ids_or_all},
     {"equal", "", "WHAT", "time", race_group, "", "what each of them gets as much of: {choices}", of_races,
-     [](Options& o, const std::string& v) { o.equal = static_cast<Equal>(parse_choice(v, strings(equals))); }, false, false,
-     choices_of<equals>},
+     [](Options& o, const std::string& v) { o.equal = static_cast<Equal>(parse_choice(v, strings(equals))); },
+     false, false, choices_of<equals>},
     {"budgets", "", "X,Y,Z", "0.5,1,2,4,8", race_group, "",
-     "where errors are taken: seconds, samples a pixel or rays a pixel, as --equal says", of_races, set_budgets},
-    {"seeds", "", "N", "5", race_group, "", "runs of each technique, from --seed on; fewer than 5 give no intervals",
-     of_races, [](Options& o, const std::string& v) { o.seeds = static_cast<uint32_t>(parse_integer(v, 1, 10000)); }},
+     "where errors are taken: seconds, samples a pixel or rays a pixel, as --equal says",
+     of_races | of_experiments, set_budgets},
+    {"seeds", "", "N", "5", race_group, "",
+     "runs of each technique, from --seed on; fewer than 5 give no intervals", of_races | of_experiments,
+     [](Options& o, const std::string& v) { o.seeds = static_cast<uint32_t>(parse_integer(v, 1, 10000)); }},
     {"reference", "", "FILE", "", race_group, "",
-     "measure against this picture; else discrete: brute force, kept in a cache, continuous: a long run", of_races,
-     set_text<&Options::reference>, false, true},
+     "measure against this picture; else discrete: brute force, kept in a cache, continuous: a long run",
+     of_races, set_text<&Options::reference>, false, true},
+
+    {"quick", "", "", "", race_group, "",
+     "small pictures and few samples: to see that all is in place, not to measure", of_experiments,
+     set_switch<&Options::quick>},
 
     {"json", "", "FILE|-", "", output_group, "", "write the results as JSON, - to standard output",
      of_results, set_text<&Options::json>, false, true},
@@ -249,12 +259,12 @@ const OptionInfo table[] = {
      set_switch<&Options::quiet>},
 
     {"threads", "", "N", "all cores", machine_group, "Threads",
-     "threads to use; the picture does not depend on it", of_files,
+     "threads to use; the picture does not depend on it", of_files | of_experiments,
      [](Options& o, const std::string& v) { o.threads = static_cast<int>(parse_integer(v, 1, 1024)); }},
     {"backend", "", "NAME", "auto", machine_group, "Back end",
      "where pixels' surfaces come from: OpenGL by window, egl or osmesa; none: rays; auto: OpenGL on a "
      "graphics card, else rays",
-     of_scenes,
+     of_scenes | of_experiments,
      [](Options& o, const std::string& v) {
        o.render.backend = static_cast<Backend>(parse_choice(v, strings(backends)));
      },

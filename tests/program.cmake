@@ -3,7 +3,7 @@ halflight_unit_test(app_options halflight_app)
 halflight_unit_test(app_report_statistics halflight_report)
 halflight_unit_test(app_report_race halflight_report)
 
-add_executable(test_program unit/app_program.cpp unit/app_compare.cpp)
+add_executable(test_program unit/app_program.cpp unit/app_compare.cpp unit/app_experiments.cpp)
 target_include_directories(test_program PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 add_dependencies(test_program halflight)
 target_link_libraries(test_program PRIVATE halflight_scene nlohmann_json::nlohmann_json GTest::gtest GTest::gtest_main)

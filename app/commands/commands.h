@@ -10,6 +10,7 @@ int run_view(const Options&);
 int run_render(const Options&);
 int run_compare(const Options&);
 int run_info(const Options&);
+int run_experiments(const Options&);
 int run_error(const Options&);
 int run_techniques(const Options&);
 int run_scenes(const Options&);

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <map>
 
+#include "commands/compare.h"
+
 #include "commands/commands.h"
 #include "commands/compare_reference.h"
 #include "commands/compare_report.h"
@@ -62,7 +64,7 @@ RenderSettings settings_of(const Arena& arena, const TechniqueInfo& info, uint64
 
 RunRequest request_of(const Arena& arena, const TechniqueInfo& info, uint64_t seed) {
   return {settings_of(arena, info, seed), arena.options.equal, arena.options.budgets,
-          arena.options.equal != Equal::samples};
+          arena.options.equal != Equal::samples && !info.exact};
 }
 
 ReferencePicture find_reference(const Arena& arena) {
@@ -174,13 +176,6 @@ void run_all(const Arena& arena, const ReferencePicture& reference, std::stop_to
     if (failed[i]) race.racers.erase(race.racers.begin() + static_cast<ptrdiff_t>(i));
 }
 
-bool any_complete(const Race& race) {
-  for (const Racer& racer : race.racers)
-    for (const RaceRun& run : racer.runs)
-      if (run.complete) return true;
-  return false;
-}
-
 std::string summary(const std::string& folder, const Race& race) {
   const Analysis analysis = analyse(race);
   std::string text = fmt::format("{}/report.html: ", folder);
@@ -190,52 +185,68 @@ std::string summary(const std::string& folder, const Race& race) {
 
 }  // namespace
 
-int run_compare(const Options& options) {
+bool any_complete(const Race& race) {
+  for (const Racer& racer : race.racers)
+    for (const RaceRun& run : racer.runs)
+      if (run.complete) return true;
+  return false;
+}
+
+Race compare_techniques(const Options& options, const Workbench& bench) {
   const RaceSetup setup = set_up_race(options);
   check_report_folder(options.output);
-  Interruption interruption;
-  set_thread_count(options.threads);
-  Progress progress(!options.quiet);
-  WarningPrinter warnings(options.quiet);
 
   // Scene and session, which all techniques share.
   Messages messages;
-  progress.show(fmt::format("opening {}", options.scene));
+  bench.progress.show(fmt::format("opening {}", options.scene));
   OpenedScene opened = open_scene(options, messages);
   RenderSettings first = options.render;
   first.technique = setup.entries.empty() ? first.technique : std::string(setup.entries.front().info->id);
   first.target.reset();
   Session session(std::move(opened.scene), first, messages);
-  progress.hide();
-  warnings.print_new(messages);
+  bench.progress.hide();
+  bench.warnings.print_new(messages);
 
   // Reference, then the race; from here on an interruption keeps what is complete.
-  const Arena arena{options, setup, session, messages, progress};
+  const Arena arena{options, setup, session, messages, bench.progress};
   const ReferencePicture reference = find_reference(arena);
   Race race = describe(arena, opened, reference);
   race.shared_seconds = opened.seconds + session.stats().seconds.load;
-  progress.show("the harness itself");
+  bench.progress.show("the harness itself");
   RenderSettings null = options.render;
   null.target = setup.target;
   race.harness = run_null(session, null);
-  race.settings.emplace_back("Light set", fmt::format("{} members, cut of {}", session.stats().light_count,
-                                                      session.stats().cut_size));
+  race.light_count = session.stats().light_count, race.cut_size = session.stats().cut_size;
+  race.settings.emplace_back("Light set",
+                             fmt::format("{} members, cut of {}", race.light_count, race.cut_size));
   std::map<std::string, ImageRgb> pictures;
-  interruption.keep_what_there_is();
-  run_all(arena, reference, interruption.token(), race, pictures);
-  progress.hide();
-  warnings.print_new(messages);
-  if (race.interrupted && !any_complete(race)) {
-    print_note("interrupted before the first run was complete; nothing is written");
-    return static_cast<int>(ExitCode::interrupted);
-  }
+  bench.interruption.keep_what_there_is();
+  run_all(arena, reference, bench.interruption.token(), race, pictures);
+  bench.progress.hide();
+  bench.warnings.print_new(messages);
+  if (race.interrupted && !any_complete(race)) return race;
 
   // Files.
   race.machine = machine_facts(session);
   race.warnings = messages.warnings;
-  progress.show("report");
+  bench.progress.show("report");
   write_report(options.output, race, reference, pictures, opened.display);
-  progress.hide();
+  bench.progress.hide();
+  return race;
+}
+
+int run_compare(const Options& options) {
+  set_up_race(options);
+  check_report_folder(options.output);
+  Interruption interruption;
+  set_thread_count(options.threads);
+  Progress progress(!options.quiet);
+  WarningPrinter warnings(options.quiet);
+  const Race race = compare_techniques(options, {interruption, progress, warnings});
+  if (race.interrupted && !any_complete(race)) {
+    print_note("interrupted before the first run was complete; nothing is written");
+    return static_cast<int>(ExitCode::interrupted);
+  }
   if (!options.quiet) print_note(summary(options.output, race));
   return static_cast<int>(race.interrupted ? ExitCode::interrupted : ExitCode::ok);
 }

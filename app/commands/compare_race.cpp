@@ -13,13 +13,17 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t most_in_a_pass = 256;
+constexpr double most_in_the_only_pass = 1 << 20;
 
 uint64_t traced(const SessionStats& stats) { return stats.rays.visibility + stats.rays.closest; }
 
 class Run {
  public:
   Run(Session& session, const RunRequest& request, std::stop_token stop)
-      : session_(session), request_(request), stop_(std::move(stop)) {
+      : session_(session),
+        request_(request),
+        stop_(std::move(stop)),
+        single_(find_technique(request.settings.technique).exact) {
     session_.set_settings(request.settings);
     restart();
   }
@@ -41,6 +45,7 @@ class Run {
 
  private:
   uint32_t next_samples(double budget) const;
+  uint32_t only_samples(double left) const;
   void pass(uint32_t samples);
   void learn(double cost, uint32_t samples);
   double pixels() const { return static_cast<double>(request_.settings.width) * request_.settings.height; }
@@ -51,6 +56,7 @@ class Run {
   double wall_ = 0, cpu_ = 0;
   uint32_t done_ = 0;  ///< samples a pixel
   PassCost cost_;
+  bool single_;        ///< a pass gives all there is, and each stands for itself
   bool free_ = false;  ///< a pass cost nothing of what is shared out: there is no end to wait for
 };
 
@@ -76,6 +82,7 @@ uint32_t Run::next_samples(double budget) const {
   if (!cost_.known()) return spent() < budget || done_ == 0 ? 1 : 0;
   const double left = budget - spent() - (done_ == 0 ? cost_.start : 0);
   if (done_ > 0 && left < 0.5 * (cost_.pass + cost_.sample)) return 0;
+  if (single_) return only_samples(left);
   // Enough samples to be worth what a pass costs. In the discrete target they may be as many as there are
   // already; in the continuous one those of a pass share S and the pixel grid, and more passes are worth more
   // than larger ones.
@@ -88,6 +95,12 @@ uint32_t Run::next_samples(double budget) const {
   return static_cast<uint32_t>(std::clamp((left / passes - cost_.pass) / cost_.sample, 1.0, most));
 }
 
+/// All that is left in one pass; another in its place only where the first fell far short of the budget.
+uint32_t Run::only_samples(double left) const {
+  const double fit = std::clamp((left - cost_.pass) / cost_.sample, 1.0, most_in_the_only_pass);
+  return done_ == 0 || fit > 2.0 * done_ ? static_cast<uint32_t>(fit) : 0;
+}
+
 bool Run::step(double budget) {
   if (stopped()) return false;
   const uint32_t samples = next_samples(budget);
@@ -97,7 +110,9 @@ bool Run::step(double budget) {
 }
 
 void Run::pass(uint32_t samples) {
-  const double before = spent(), cpu = process_cpu_seconds();
+  const double cpu = process_cpu_seconds();
+  if (single_ && done_ > 0) session_.restart(), done_ = 0;
+  const double before = spent();
   const Stopwatch watch;
   session_.run_pass(samples, 1, 0, stop_);
   wall_ += watch.seconds();
@@ -117,7 +132,7 @@ void Run::learn(double cost, uint32_t samples) {
 }
 
 PassCost Run::measure() {
-  constexpr uint32_t many = 8;
+  const uint32_t many = single_ ? 256 : 8;
   std::array<double, 3> cost{};
   for (size_t i = 0; i < cost.size() && !free_; ++i) {
     const double before = spent();

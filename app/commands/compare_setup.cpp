@@ -12,6 +12,9 @@ bool supports(const TechniqueInfo& info, Target target) {
   return info.target == (target == Target::discrete ? TargetSupport::discrete : TargetSupport::continuous);
 }
 
+/// The sum over S itself; others that need a single pass race with as many samples in it as a budget holds.
+bool is_reference(const TechniqueInfo& info) { return info.exact && info.target != TargetSupport::own; }
+
 std::string why_preview(const TechniqueInfo& info) {
   if (info.target == TargetSupport::own)
     return info.note.empty() ? "has a target of its own" : std::string(info.note);
@@ -68,7 +71,7 @@ RaceSetup set_up_race(const Options& options) {
   std::vector<const TechniqueInfo*> infos;
   for (const std::string& name : wanted) {
     infos.push_back(&find_technique(name));
-    if (infos.back()->exact)
+    if (is_reference(*infos.back()))
       throw usage_error(
           fmt::format("--techniques: {} does not race: it is what the others are measured against", name));
   }
@@ -80,7 +83,7 @@ RaceSetup set_up_race(const Options& options) {
 
   for (const TechniqueInfo* info : infos) {
     const std::string preview = why_preview(*info);
-    if (info->exact)
+    if (is_reference(*info))
       setup.left_out.push_back({std::string(info->id), "it is what the others are measured against"});
     else if (info->target == TargetSupport::own || supports(*info, setup.target))
       setup.entries.push_back({info, preview});

@@ -85,8 +85,9 @@ struct Race {
   std::vector<LeftOut> left_out;
   ReferenceFacts reference;
   HarnessCost harness;
-  double error_scale = 1;     ///< signed relative error at the ends of the error maps' colours
-  double shared_seconds = 0;  ///< loading the scene and building Embree's tree: not in any run
+  uint32_t light_count = 0, cut_size = 0;  ///< of the scene's S, where it has one
+  double error_scale = 1;                  ///< signed relative error at the ends of the error maps' colours
+  double shared_seconds = 0;               ///< loading the scene and building Embree's tree: not in any run
   Facts settings, machine;
   std::vector<std::string> warnings;
   bool interrupted = false;

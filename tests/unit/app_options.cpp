@@ -316,6 +316,14 @@ TEST(Config, ScenesOnTheCommandLineWinAndFilesAreRelativeToTheConfig) {
   EXPECT_EQ(parse_arguments({"info", "b.glb", "--config", config.path()}).scene, "b.glb");
 }
 
+TEST(Config, BuiltInEnvironmentsStayNames) {
+  for (const std::string name : {"studio", "studio.hdr"}) {
+    const ConfigFile config("{\"environment\": \"" + name + "\"}");
+    EXPECT_EQ(parse_arguments({"info", "--config", config.path()}).environment,
+              name == "studio" ? name : config.beside(name));
+  }
+}
+
 TEST(Config, FaultsNameFileAndKey) {
   const auto fault = [](const std::string& text) {
     const ConfigFile config(text);

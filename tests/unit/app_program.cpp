@@ -145,7 +145,7 @@ TEST_F(Program, RenderReportsWhatItDid) {
                           "warnings"})
     EXPECT_TRUE(report.contains(key)) << key;
   for (const char* key :
-       {"total", "load", "raster", "lights", "distribution", "sampling", "visibility", "resolve"})
+       {"total", "load", "raster", "lights", "distribution", "sampling", "visibility", "resolve", "gpu"})
     EXPECT_GE(report["seconds"].at(key).get<double>(), 0) << key;
   for (const char* key : {"visibility", "closest", "rejected"})
     EXPECT_TRUE(report["rays"].contains(key)) << key;
