@@ -66,22 +66,28 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
   Plan plan;
   plan.show_emission = direct;
   plan.antialiased = continuous && !technique.exact;
-  plan.direct_punctual = handful && direct && needs.surfaces;
+  plan.gbuffer = !technique.traces_from_camera;
+  plan.direct_punctual = handful && direct && needs.surfaces && plan.gbuffer;
   // A shadow map's edge is not a ray's: what converges to the integral is lit by rays.
   plan.shadow_maps = handful && !continuous && !raster.empty() && needs.surfaces;
   plan.kinds.environment = needs.environment && direct && needs.surfaces;
   plan.kinds.emitters = needs.emitters && direct && needs.surfaces;
-  plan.kinds.punctual = needs.punctual > 0 && direct && needs.surfaces && !handful;
+  plan.kinds.punctual = needs.punctual > 0 && direct && needs.surfaces && !plan.direct_punctual;
   plan.kinds.surfaces = needs.surfaces && needs.lit() && indirect;
 
   const auto stage = [&](std::string name, bool runs, std::string why) {
     plan.stages.push_back({std::move(name), runs, std::move(why)});
   };
-  stage("g-buffer", true, raster.empty() ? "by rays: " + why_backend : raster + ": " + why_backend);
+  const std::string own_rays = fmt::format("{} sends rays of its own from the camera", technique.id);
+  stage("g-buffer", plan.gbuffer,
+        !plan.gbuffer    ? own_rays
+        : raster.empty() ? "by rays: " + why_backend
+                         : raster + ": " + why_backend);
   stage("antialiasing", plan.antialiased,
-        plan.antialiased ? "the continuous target moves the pixel grid each round"
-        : continuous     ? "a single pass sees pixel centres only"
-                         : "the discrete target sees pixel centres only");
+        !plan.gbuffer      ? "each ray of the camera has its own place in the pixel"
+        : plan.antialiased ? "the continuous target moves the pixel grid each round"
+        : continuous       ? "a single pass sees pixel centres only"
+                           : "the discrete target sees pixel centres only");
   stage("alpha filter", needs.alpha,
         needs.alpha ? "masked or blended materials" : "every material is opaque");
 
@@ -96,6 +102,7 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
   stage("direct punctual light", plan.direct_punctual,
         needs.punctual == 0    ? "no punctual lights"
         : !direct              ? unasked
+        : !plan.gbuffer        ? own_rays
         : plan.direct_punctual ? count + (plan.shadow_maps ? " by shadow maps" : ", a ray each")
                                : "punctual lights are members of S");
 

@@ -36,6 +36,7 @@ inline constexpr size_t handful_of_lights = 8;
 struct Plan {
   std::vector<PlanStage> stages;
   LightKinds kinds;              ///< what the technique finds: S holds these, or rays do
+  bool gbuffer = true;           ///< what the camera sees is found before the technique runs
   bool light_set = false;        ///< S, its tree and the cut are made
   bool show_emission = true;     ///< L_e is in the picture
   bool direct_punctual = false;  ///< D_punctual is found for each pixel outside S

@@ -215,7 +215,7 @@ void Session::Impl::leave_lights_out() {
 }
 
 void Session::Impl::prepare_gbuffer() {
-  if (!stale.gbuffer && !(plan.antialiased && !frame_is_drawn)) return;
+  if (!plan.gbuffer || (!stale.gbuffer && !(plan.antialiased && !frame_is_drawn))) return;
   Stopwatch watch;
   gbuffer.resize(settings.width, settings.height);
   const Vec2 jitter = plan.antialiased ? pixel_jitter(round) : Vec2(0);
@@ -268,15 +268,17 @@ void Session::Impl::prepare() {
 FrameView Session::Impl::view() const {
   FrameView frame;
   frame.scene = &scene;
+  frame.camera = &camera;
   frame.rays = rays.get();
   frame.raster = gl ? rasterizer.get() : nullptr;
-  frame.gbuffer = &gbuffer;
+  frame.gbuffer = plan.gbuffer ? &gbuffer : nullptr;
   frame.tree = &lights.tree();
   frame.cut = &lights.cut();
   frame.settings = &settings.values;
-  frame.base = &base;
+  frame.base = plan.gbuffer ? &base : nullptr;
   frame.target = target();
   frame.kinds = plan.kinds;
+  frame.light = settings.light;
   frame.seed = settings.seed;
   frame.alpha_seed = plan.antialiased ? round + 1 : 0;
   return frame;
@@ -303,6 +305,7 @@ void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::
   const PassStats pass = s.technique->run_pass(s.view(), request, s.film);
 
   const double threads = thread_count();
+  s.stats.seconds.lights += pass.lights_seconds;
   s.stats.seconds.distribution += pass.distribution_seconds / threads;
   s.stats.seconds.sampling += pass.sampling_seconds / threads;
   s.stats.seconds.visibility += pass.visibility_seconds / threads;
@@ -353,7 +356,7 @@ void Session::set_settings(const RenderSettings& wanted) {
 
   const Plan plan = s.plan;
   s.replan();
-  s.stale.gbuffer |= plan.direct_punctual != s.plan.direct_punctual ||
+  s.stale.gbuffer |= plan.gbuffer != s.plan.gbuffer || plan.direct_punctual != s.plan.direct_punctual ||
                      plan.shadow_maps != s.plan.shadow_maps || plan.antialiased != s.plan.antialiased;
   s.stale.points |= !(plan.kinds == s.plan.kinds) || plan.light_set != s.plan.light_set ||
                     plan.antialiased != s.plan.antialiased;
@@ -403,7 +406,15 @@ double Session::estimated_relmse() const {
   const TechniqueInfo& technique = find_technique(impl_->settings.technique);
   return technique.exact && technique.bias == Bias::biased ? -1 : impl_->film.estimated_relmse();
 }
-const GBuffer& Session::gbuffer() const { return impl_->gbuffer; }
+const GBuffer& Session::gbuffer() const {
+  Impl& s = *impl_;
+  if (!s.plan.gbuffer && s.stale.gbuffer) {
+    s.gbuffer.resize(s.settings.width, s.settings.height);
+    trace_gbuffer(*s.rays, s.camera, Vec2(0), 0, s.gbuffer, s.stats.rays);
+    s.stale.gbuffer = false;
+  }
+  return s.gbuffer;
+}
 const SessionStats& Session::stats() const { return impl_->stats; }
 
 }  // namespace halflight

@@ -83,6 +83,7 @@ class Session {
   /// The film's own estimate of its relMSE; negative where it has none to give, as of a technique without noise that is
   /// biased all the same.
   double estimated_relmse() const;
+  /// What the camera sees, as of the last pass; where the plan leaves it out, pixel centres by rays when first asked for.
   const GBuffer& gbuffer() const;
   const SessionStats& stats() const;
   void restart();  ///< clears the film

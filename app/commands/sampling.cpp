@@ -12,7 +12,7 @@ constexpr uint32_t first_round = 8;        ///< samples a pixel, where no total 
 constexpr double longest_whole_round = 1;  ///< seconds; longer rounds go by subsets, to show how they get on
 constexpr uint32_t most_unmeasured = 64;   ///< samples of a whole round before its cost is known
 constexpr uint32_t exact_samples = 40;     ///< of a single pass that is all there is, unless told
-constexpr double most_for_balance = 16;    ///< samples a round takes on to be worth its distributions
+constexpr double most_for_balance = 32;  ///< samples a round takes on to be worth its frame and distributions
 
 /// Measured seconds of a round: its frame (S and pixel grid redrawn, continuous target only), the
 /// distributions of its pixels, and each sample a pixel.
@@ -57,8 +57,8 @@ uint32_t Sampler::next_round() const {
   const bool only_samples = goal_.samples && !goal_.seconds && !goal_.error;
   uint32_t wanted = session_.round_samples(only_samples ? *goal_.samples : std::max(done_, first_round));
   if (!only_samples && cost_.known())
-    wanted = std::max(wanted,
-                      static_cast<uint32_t>(std::min(most_for_balance, cost_.distributions / cost_.sample)));
+    wanted = std::max(wanted, static_cast<uint32_t>(std::min(
+                                  most_for_balance, (cost_.frame + cost_.distributions) / cost_.sample)));
   return goal_.samples ? std::min(*goal_.samples - done_, wanted) : wanted;
 }
 

@@ -2,13 +2,12 @@
 #include <cmath>
 #include <queue>
 
+#include "lights/cut_arrays.h"
 #include "lights/light_tree.h"
 
 namespace halflight {
 
 namespace {
-
-constexpr size_t padding = 16;
 
 /// Largest error first; among equals (a constant environment has none) the strongest, then the earliest.
 struct Refinement {
@@ -54,18 +53,56 @@ void refine(const LightTree& tree, uint32_t root, const CutSettings& settings, s
   for (; !open.empty(); open.pop()) cut.push_back(open.top().node);
 }
 
-void resize_padded(Cut& cut, size_t padded) {
-  for (auto* array : {&cut.power,    &cut.radiance, &cut.centre_x, &cut.centre_y,  &cut.centre_z,
-                      &cut.normal_x, &cut.normal_y, &cut.normal_z, &cut.radius,    &cut.extent_x,
-                      &cut.extent_y, &cut.extent_z, &cut.low_x,    &cut.low_y,     &cut.low_z,
-                      &cut.high_x,   &cut.high_y,   &cut.high_z,   &cut.softening, &cut.has_extent})
-    array->assign(padded, 0.0f);
-  for (auto* array : {&cut.measure, &cut.local, &cut.normal_spread}) array->assign(padded, 1.0f);
-  for (auto* array : {&cut.node, &cut.begin, &cut.end}) array->assign(padded, 0);
-  cut.kind.assign(padded, LightKind::surface);
+/// The leaves' shares of their cluster in whole numbers, at least 1 where `weight(leaf)` is not 0;
+/// `cluster_weight(k)` is their sum.
+template <class Weight, class ClusterWeight>
+void fill_leaf_prefix(Cut& cut, size_t leaves, const Weight& weight, const ClusterWeight& cluster_weight) {
+  cut.leaf_prefix.assign(leaves + 1, 0.0);
+  double sum = 0;
+  uint32_t leaf = 0;
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    for (; leaf < cut.begin[k]; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
+    const double scale = 0x1p32 / cluster_weight(k);
+    for (; leaf < cut.end[k]; ++leaf) {
+      const double its_weight = weight(leaf);
+      if (its_weight > 0) sum += std::max(1.0, std::nearbyint(its_weight * scale));
+      cut.leaf_prefix[leaf + 1] = sum;
+    }
+  }
+  for (; leaf < leaves; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
 }
 
-void fill_cluster(Cut& cut, uint32_t k, const LightNode& node) {
+/// Starts of searches among the leaves of each cluster.
+void fill_leaf_guide(Cut& cut) {
+  cut.leaf_guide.assign(cut.leaf_prefix.size() - 1, 0);
+  for (uint32_t k = 0; k < cut.size; ++k) set_leaf_ranges(cut, k);
+}
+
+/// Calls f with each array of clusters and what stands where there is none.
+template <class F>
+void for_each_array(const F& f) {
+  for (const auto array : {&Cut::power,    &Cut::radiance, &Cut::centre_x, &Cut::centre_y,  &Cut::centre_z,
+                           &Cut::normal_x, &Cut::normal_y, &Cut::normal_z, &Cut::radius,    &Cut::extent_x,
+                           &Cut::extent_y, &Cut::extent_z, &Cut::low_x,    &Cut::low_y,     &Cut::low_z,
+                           &Cut::high_x,   &Cut::high_y,   &Cut::high_z,   &Cut::softening, &Cut::has_extent})
+    f(array, 0.0f);
+  for (const auto array : {&Cut::measure, &Cut::local, &Cut::normal_spread}) f(array, 1.0f);
+  for (const auto array : {&Cut::node, &Cut::begin, &Cut::end}) f(array, 0u);
+  for (const auto array : {&Cut::leaf_start, &Cut::leaf_total}) f(array, 0.0);
+  f(&Cut::kind, LightKind::surface);
+}
+
+}  // namespace
+
+void resize_arrays(Cut& cut, size_t padded) {
+  for_each_array([&](auto array, auto none) {
+    auto& values = cut.*array;
+    if (values.size() > cut.size) std::fill(values.begin() + cut.size, values.end(), none);
+    values.resize(padded, none);
+  });
+}
+
+void set_cluster(Cut& cut, uint32_t k, const LightNode& node) {
   const bool faces = node.kind == LightKind::surface || node.kind == LightKind::emitter;
   const bool distant = node.kind == LightKind::environment, punctual = node.kind == LightKind::punctual;
   const Vec3 normal = faces ? node.normal : Vec3(0);
@@ -86,44 +123,24 @@ void fill_cluster(Cut& cut, uint32_t k, const LightNode& node) {
   cut.has_extent[k] = punctual ? 0.0f : 1.0f;
 }
 
-/// The leaves' shares of their cluster in whole numbers, at least 1 where `weight(leaf)` is not 0;
-/// `cluster_weight(k)` is their sum.
-template <class Weight, class ClusterWeight>
-void fill_leaf_prefix(Cut& cut, size_t leaves, const Weight& weight, const ClusterWeight& cluster_weight) {
-  cut.leaf_prefix.assign(leaves + 1, 0.0);
-  for (auto* array : {&cut.leaf_start, &cut.leaf_total}) array->assign(cut.padded_size(), 0.0);
-  double sum = 0;
-  uint32_t leaf = 0;
-  for (uint32_t k = 0; k < cut.size; ++k) {
-    for (; leaf < cut.begin[k]; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
-    const double scale = 0x1p32 / cluster_weight(k);
-    cut.leaf_start[k] = sum;
-    for (; leaf < cut.end[k]; ++leaf) {
-      const double its_weight = weight(leaf);
-      if (its_weight > 0) sum += std::max(1.0, std::nearbyint(its_weight * scale));
-      cut.leaf_prefix[leaf + 1] = sum;
-    }
-    cut.leaf_total[k] = sum - cut.leaf_start[k];
-  }
-  for (; leaf < leaves; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
+void copy_clusters(const Cut& from, uint32_t begin, uint32_t end, Cut& to, uint32_t to_k) {
+  for_each_array([&](auto array, auto) {
+    std::copy((from.*array).begin() + begin, (from.*array).begin() + end, (to.*array).begin() + to_k);
+  });
 }
 
-/// Starts of searches among the leaves of each cluster.
-void fill_leaf_guide(Cut& cut) {
-  cut.leaf_guide.assign(cut.leaf_prefix.size() - 1, 0);
-  for (uint32_t k = 0; k < cut.size; ++k) {
-    const double step = cut.leaf_total[k] / (cut.end[k] - cut.begin[k]);
-    uint32_t leaf = cut.begin[k];
-    for (uint32_t i = cut.begin[k]; i < cut.end[k]; ++i) {
-      // A share less than the exact place: what the search computes may be rounded down.
-      const double place = cut.leaf_start[k] + (i - cut.begin[k]) * step - 1;
-      while (cut.leaf_prefix[leaf + 1] <= place) ++leaf;
-      cut.leaf_guide[i] = leaf;
-    }
+void set_leaf_ranges(Cut& cut, uint32_t k) {
+  cut.leaf_start[k] = cut.leaf_prefix[cut.begin[k]];
+  cut.leaf_total[k] = cut.leaf_prefix[cut.end[k]] - cut.leaf_start[k];
+  const double step = cut.leaf_total[k] / (cut.end[k] - cut.begin[k]);
+  uint32_t leaf = cut.begin[k];
+  for (uint32_t i = cut.begin[k]; i < cut.end[k]; ++i) {
+    // A share less than the exact place: what the search computes may be rounded down.
+    const double place = cut.leaf_start[k] + (i - cut.begin[k]) * step - 1;
+    while (cut.leaf_prefix[leaf + 1] <= place) ++leaf;
+    cut.leaf_guide[i] = leaf;
   }
 }
-
-}  // namespace
 
 Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
   Cut cut;
@@ -139,10 +156,10 @@ Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
 
   cut.size = static_cast<uint32_t>(nodes.size());
   if (power > 0) cut.power_unit = std::ldexp(1.0, std::ilogb(power) + 1);
-  resize_padded(cut, (nodes.size() + padding - 1) / padding * padding);
+  resize_arrays(cut, padded_clusters(nodes.size()));
   for (uint32_t k = 0; k < cut.size; ++k) {
     cut.node[k] = nodes[k];
-    fill_cluster(cut, k, tree.nodes[nodes[k]]);
+    set_cluster(cut, k, tree.nodes[nodes[k]]);
   }
   fill_leaf_prefix(
       cut, tree.lights.size(), [&](uint32_t leaf) { return leaf_power(tree.lights[leaf]); },

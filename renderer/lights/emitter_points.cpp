@@ -27,6 +27,29 @@ void add_lights(const Scene& scene, SurfacePoint point, float area, std::vector<
   }
 }
 
+// Solid angle given to a directional light, about the sun's; a power of two, so that E⊥ = L Ω exactly.
+constexpr float directional_solid_angle = 0x1p-14f;
+
+VirtualLight directional_point(const PunctualLight& punctual) {
+  VirtualLight light;
+  light.kind = LightKind::environment;
+  light.position = -punctual.direction;
+  light.normal = punctual.direction;
+  light.measure = directional_solid_angle;
+  light.radiance = punctual.intensity / directional_solid_angle;
+  return light;
+}
+
+VirtualLight punctual_point(const PunctualLight& punctual) {
+  VirtualLight light;
+  light.kind = LightKind::punctual;
+  light.position = punctual.position;
+  light.normal = punctual.direction;
+  light.measure = 1;
+  light.radiance = punctual.intensity;
+  return light;
+}
+
 /// More triangles than points: systematic choice by power, each chosen one standing for area / expected
 /// count.
 void add_chosen_lights(const Scene& scene, const std::vector<EmissiveTriangle>& emitters, uint32_t count,
@@ -76,14 +99,9 @@ std::vector<VirtualLight> punctual_points(const Scene& scene) {
   std::vector<VirtualLight> lights;
   for (uint32_t i = 0; i < scene.lights.size(); ++i) {
     const PunctualLight& punctual = scene.lights[i];
-    VirtualLight light;
-    light.position = punctual.position;
-    light.measure = 1;
-    light.normal = punctual.direction;
-    light.kind = LightKind::punctual;
-    light.radiance = punctual.intensity;
-    light.source = i;
-    lights.push_back(light);
+    lights.push_back(punctual.kind == PunctualKind::directional ? directional_point(punctual)
+                                                                : punctual_point(punctual));
+    lights.back().source = i;
   }
   return lights;
 }

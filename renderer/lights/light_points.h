@@ -47,7 +47,8 @@ std::vector<VirtualLight> emitter_points(const Scene&, const LightPointSettings&
 /// directions by power, for which the sum has the integral as its mean.
 std::vector<VirtualLight> environment_points(const Environment&, const LightPointSettings&);
 
-/// One light a punctual light of the scene.
+/// One light a punctual light of the scene. Directional ones lie at infinity: they join the distant lights,
+/// each as a direction with a small solid angle Ω and L = E⊥/Ω.
 std::vector<VirtualLight> punctual_points(const Scene&);
 
 /// Two lights a bounce point, front then back; radiance = albedo / π · irradiance[2·i + side].

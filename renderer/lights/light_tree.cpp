@@ -1,6 +1,5 @@
 #include "lights/light_tree.h"
 
-
 #include <utility>
 
 #include "core/errors.h"

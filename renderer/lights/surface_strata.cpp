@@ -27,7 +27,8 @@ uint32_t morton3(UVec3 v) {
   return spread(v.x) | spread(v.y) << 1 | spread(v.z) << 2;
 }
 
-/// Triangles that return light, along a Morton curve.
+}  // namespace
+
 std::vector<uint32_t> reflecting_triangles(const Scene& scene) {
   std::vector<std::pair<uint32_t, uint32_t>> keyed;
   const Vec3 scale = 1023.0f / glm::max(scene.bounds.extent(), Vec3(1e-30f));
@@ -41,8 +42,6 @@ std::vector<uint32_t> reflecting_triangles(const Scene& scene) {
   std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& k) { return k.second; });
   return order;
 }
-
-}  // namespace
 
 Vec3 covered_albedo(const Scene& scene, SurfacePoint surface) {
   return bounce_albedo(surface_brdf(scene, surface)) * surface_alpha(scene, surface);

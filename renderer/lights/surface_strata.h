@@ -9,7 +9,10 @@
 
 namespace halflight {
 
-/// Triangles that return light, along a Morton curve: strata of equal area are then compact.
+/// Triangles that return light, along a Morton curve.
+std::vector<uint32_t> reflecting_triangles(const Scene&);
+
+/// They laid out by area: strata of equal area are then compact.
 class SurfaceStrata {
  public:
   SurfaceStrata() : prefix_(1, 0.0) {}  ///< of nothing

@@ -315,6 +315,10 @@ float specular_probability(const Brdf& brdf, const Basis& basis, Vec3 wo) {
   return choose_specular(brdf, std::max(0.0f, glm::dot(wo, basis.normal)));
 }
 
+float specular_probability(const Brdf& brdf, float cos_o) { return choose_specular(brdf, cos_o); }
+
+float ggx_density_over_distribution(const Brdf& brdf, Vec3 wo) { return ggx_pdf(wo, 1, ggx_alpha(brdf)); }
+
 Vec3 bounce_albedo(const Brdf& brdf) {
   if (brdf.model == BrdfModel::none) return Vec3(0);
   // Fresnel takes from the diffuse lobe what it reflects; Phong's two reflectances are independent.

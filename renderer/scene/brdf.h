@@ -68,6 +68,12 @@ float specular_pdf(const Brdf& brdf, const Basis& basis, Vec3 wo, Vec3 wi);
 /// given wo. 0 or 1 only where a lobe is absent.
 float specular_probability(const Brdf& brdf, const Basis& basis, Vec3 wo);
 
+/// The same of a view cosine.
+float specular_probability(const Brdf& brdf, float cos_o);
+
+/// GGX: density of `sample_specular` over the distribution of normals D, for a local wo.
+float ggx_density_over_distribution(const Brdf& brdf, Vec3 wo);
+
 /// Angle-independent albedo used for the one bounce: diffuse + specular reflectance at normal incidence, ≤ 1.
 /// What the Fresnel term reflects there (GGX, Ashikhmin–Shirley) does not reach the diffuse lobe.
 Vec3 bounce_albedo(const Brdf& brdf);

@@ -116,9 +116,80 @@ void evaluate_ashikhmin(const Brdf& brdf, Vec3 wo, const BrdfBatch& batch) {
                  batch);
 }
 
+/// Densities of the mixture of both lobes: `specular` × the lobe's own, and the rest by the cosine.
+struct MixtureTerms {
+  Vec3 wo;
+  float specular, diffuse;  ///< with their normalisations; diffuse over π
+  float x, y;               ///< GGX: 1/α along both axes; Phong: n; Ashikhmin–Shirley: nu, nv
+};
+
+HALFLIGHT_SIMD_CLONES void ggx_density(const MixtureTerms& terms, const BrdfBatch& batch) {
+  const float *x = batch.x, *y = batch.y, *z = batch.z;
+  float* pdf = batch.pdf;
+  const MixtureTerms t = terms;
+#pragma GCC ivdep
+  for (size_t i = 0; i < batch.count; ++i) {
+    const float up = z[i] > 1e-20f ? z[i] : 1e-20f;
+    const float sx = t.wo.x + x[i], sy = t.wo.y + y[i], sz = t.wo.z + up;
+    const float sum2 = sx * sx + sy * sy + sz * sz, bounded = sum2 > 1e-30f ? sum2 : 1e-30f;
+    const float hx = sx * t.x, hy = sy * t.y, d = (hx * hx + hy * hy + sz * sz) / bounded;
+    pdf[i] = t.specular / (d * d) + t.diffuse * up;
+  }
+}
+
+HALFLIGHT_SIMD_CLONES void phong_density(const MixtureTerms& terms, const BrdfBatch& batch) {
+  const float *x = batch.x, *y = batch.y, *z = batch.z;
+  float* pdf = batch.pdf;
+  const MixtureTerms t = terms;
+#pragma GCC ivdep
+  for (size_t i = 0; i < batch.count; ++i) {
+    const float dx = x[i] + t.wo.x, dy = y[i] + t.wo.y, dz = z[i] - t.wo.z;
+    const float half_square = 0.5f * (dx * dx + dy * dy + dz * dz);
+    const float power = half_square < 1.0f ? exp_negative(t.x * log_of_complement(half_square)) : 0.0f;
+    pdf[i] = t.specular * power + t.diffuse * (z[i] > 0.0f ? z[i] : 0.0f);
+  }
+}
+
+HALFLIGHT_SIMD_CLONES void ashikhmin_density(const MixtureTerms& terms, const BrdfBatch& batch) {
+  const float *x = batch.x, *y = batch.y, *z = batch.z;
+  float* pdf = batch.pdf;
+  const MixtureTerms t = terms;
+#pragma GCC ivdep
+  for (size_t i = 0; i < batch.count; ++i) {
+    const float sx = t.wo.x + x[i], sy = t.wo.y + y[i], sz = t.wo.z + z[i];
+    const float sum2 = sx * sx + sy * sy + sz * sz;
+    const float length = std::sqrt(sum2 > 1e-30f ? sum2 : 1e-30f), inverse = 1.0f / length;
+    const float hx = sx * inverse, hy = sy * inverse, half = 0.5f * length;
+    const float hx2 = hx * hx, hy2 = hy * hy, flat = hx2 + hy2;
+    const float sin2 = flat > 1e-12f ? flat : 1e-12f;
+    const float power = exp_negative(0.5f * (t.x * hx2 + t.y * hy2) * (log_of_complement(sin2) / sin2));
+    pdf[i] = t.specular * power / (half > 1e-20f ? half : 1e-20f) + t.diffuse * (z[i] > 0.0f ? z[i] : 0.0f);
+  }
+}
+
+void mixture_densities(const Brdf& brdf, Vec3 wo, const BrdfBatch& batch) {
+  const float specular = specular_probability(brdf, wo.z), n = brdf.roughness.x;
+  MixtureTerms terms{wo, specular, (1 - specular) * (1 / pi), n, brdf.roughness.y};
+  switch (brdf.model) {
+    case BrdfModel::ggx:
+      terms.x = 1 / std::max(brdf.roughness.x, 1e-4f), terms.y = 1 / std::max(brdf.roughness.y, 1e-4f);
+      terms.specular *= ggx_density_over_distribution(brdf, wo) * terms.x * terms.y / pi;
+      return ggx_density(terms, batch);
+    case BrdfModel::phong:
+      terms.specular *= (n + 1) / (2 * pi);
+      return phong_density(terms, batch);
+    case BrdfModel::ashikhmin_shirley:
+      terms.specular *= std::sqrt((n + 1) * (brdf.roughness.y + 1)) / (8 * pi);
+      return ashikhmin_density(terms, batch);
+    case BrdfModel::none:
+      std::fill_n(batch.pdf, batch.count, 0.0f);
+  }
+}
+
 }  // namespace
 
 void evaluate_batch(const Brdf& brdf, Vec3 wo, const BrdfBatch& batch) {
+  if (batch.pdf) mixture_densities(brdf, wo, batch);
   switch (brdf.model) {
     case BrdfModel::ggx:
       return evaluate_ggx(brdf, wo, batch);

@@ -14,6 +14,7 @@ struct BrdfBatch {
   const float *x, *y, *z;
   float *red, *green, *blue;
   size_t count;
+  float* pdf = nullptr;  ///< where wanted: the density of `sample`, as `evaluate_with_pdf` has it
 };
 
 /// f(wi, wo) of a GGX material without the cosine; `wo` is local with z > 0. Where wi.z ≤ 0 the result is

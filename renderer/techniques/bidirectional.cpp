@@ -25,17 +25,25 @@ constexpr std::array settings{
     SettingInfo{"bidirectional.brdf-samples", 64, 0, RayBundle::capacity, "counting rays a pixel, N_ρ"},
     SettingInfo{"bidirectional.tau", 16, 0, 1e6, "weight of the analytic estimate, in rays"},
     SettingInfo{"bidirectional.alpha", 0.05, 0, 1, "share of draws that ignore the BRDF"},
+    SettingInfo{"bidirectional.near", 0.5, 0, 1e6,
+                "clusters that reach further than this share of their distance are split; 0: none"},
 };
 
 struct Parameters {
   Form form;
   CountedCutParameters counting;
+  float near;
 
   explicit Parameters(const SettingValues& values)
       : form(static_cast<Form>(static_cast<int>(values.get("bidirectional.form")))),
         counting{static_cast<uint32_t>(values.get("bidirectional.brdf-samples")),
                  static_cast<float>(values.get("bidirectional.tau")),
-                 static_cast<float>(values.get("bidirectional.alpha"))} {}
+                 static_cast<float>(values.get("bidirectional.alpha"))},
+        near(static_cast<float>(values.get("bidirectional.near"))) {}
+
+  CountedCut sampler(const FrameView& frame) const {
+    return near > 0 ? CountedCut(*frame.tree, *frame.cut, counting, near) : CountedCut(*frame.cut, counting);
+  }
 };
 
 class PrintedSampler {
@@ -46,6 +54,7 @@ class PrintedSampler {
   bool begin_pixel(const GBufferTexel&, RandomStream&);
   void draw(RandomStream& random, std::span<LightSample> out) const { distribution_.draw(cut_, random, out); }
   const CutDistribution& distribution() const { return distribution_; }
+  const Cut& cut() const { return cut_; }
 
  private:
   const Cut& cut_;
@@ -95,8 +104,7 @@ class Bidirectional final : public Technique {
     if (parameters.form == Form::printed)
       return run_sampler_pass<PrintedSampler>(
           frame, request, film, [&] { return PrintedSampler(frame, parameters.counting.ray_count); });
-    return run_sampler_pass<CountedCut>(frame, request, film,
-                                        [&] { return CountedCut(*frame.cut, parameters.counting); });
+    return run_sampler_pass<CountedCut>(frame, request, film, [&] { return parameters.sampler(frame); });
   }
 
   std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
@@ -106,7 +114,7 @@ class Bidirectional final : public Technique {
       PrintedSampler sampler(frame, parameters.counting.ray_count);
       return inspect_sampler(sampler, frame, request, pixel);
     }
-    CountedCut sampler(*frame.cut, parameters.counting);
+    CountedCut sampler = parameters.sampler(frame);
     return inspect_sampler(sampler, frame, request, pixel);
   }
 };

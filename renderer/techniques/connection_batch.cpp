@@ -50,6 +50,17 @@ HALFLIGHT_SIMD_CLONES void connect_loop(ConnectionBatch& b, const PixelFrame& pi
   }
 }
 
+/// 1/(n p_v + n_b p_b) in place of Ω, with p_v = 1/(Ω weight), and 1 in place of the weight.
+HALFLIGHT_SIMD_CLONES void balance_loop(ConnectionBatch& b, const float* pdf, float light_draws,
+                                        size_t count) {
+#pragma GCC ivdep
+  for (size_t i = 0; i < count; ++i) {
+    const float light_pdf = 1.0f / (b.measure[i] * b.weight[i]);
+    b.measure[i] = 1.0f / (light_draws * light_pdf + b.brdf_rays[i] * pdf[i]);
+    b.weight[i] = 1.0f;
+  }
+}
+
 /// f cos θ · L Ω weight. The product may leave the range of floats on the way, but not in the end.
 HALFLIGHT_SIMD_CLONES void multiply_loop(ConnectionBatch& b, const LocalBatch& local, size_t count) {
 #pragma GCC ivdep
@@ -64,10 +75,17 @@ HALFLIGHT_SIMD_CLONES void multiply_loop(ConnectionBatch& b, const LocalBatch& l
   }
 }
 
+PixelFrame pixel_frame(const GBufferTexel& texel, const Basis& basis, GeometryTerm term) {
+  return {texel.position, basis.tangent,          basis.bitangent,
+          basis.normal,   texel.geometric_normal, term == GeometryTerm::bounded ? 0.5f / pi : 0.0f};
+}
+
+size_t padded(size_t size) { return (size + lanes - 1) / lanes * lanes; }
+
 }  // namespace
 
 void ConnectionBatch::add(const VirtualLight& light, const Scene& scene, Vec3 x, float sample_weight,
-                          uint32_t its_tag) {
+                          uint32_t its_tag, float its_brdf_rays) {
   const size_t i = size++;
   const bool is_local = light.kind == LightKind::surface || light.kind == LightKind::emitter;
   if (light.kind == LightKind::punctual) {
@@ -87,24 +105,39 @@ void ConnectionBatch::add(const VirtualLight& light, const Scene& scene, Vec3 x,
   local[i] = is_local ? 1.0f : 0.0f;
   weight[i] = sample_weight;
   tag[i] = its_tag;
+  brdf_rays[i] = its_brdf_rays;
+}
+
+void ConnectionBatch::pad() {
+  for (size_t i = size; i % lanes != 0; ++i) {
+    for (float* array : {position_x, position_y, position_z, normal_x, normal_y, normal_z, red, green, blue,
+                         measure, weight, local, distance, brdf_rays})
+      array[i] = array[0];
+  }
 }
 
 void ConnectionBatch::connect(const GBufferTexel& texel, const Basis& basis, GeometryTerm term) {
-  const size_t padded = (size + lanes - 1) / lanes * lanes;
-  for (size_t i = size; i < padded; ++i) {
-    for (float* array : {position_x, position_y, position_z, normal_x, normal_y, normal_z, red, green, blue,
-                         measure, weight, local, distance})
-      array[i] = array[0];
-  }
-  LocalBatch directions;
-  const PixelFrame pixel{texel.position,         basis.tangent,
-                         basis.bitangent,        basis.normal,
-                         texel.geometric_normal, term == GeometryTerm::bounded ? 0.5f / pi : 0.0f};
-  connect_loop(*this, pixel, directions, padded);
-  evaluate_batch(
-      texel.brdf, basis.to_local(texel.wo),
-      {directions.x, directions.y, directions.z, directions.red, directions.green, directions.blue, padded});
-  multiply_loop(*this, directions, padded);
+  pad();
+  const size_t count = padded(size);
+  LocalBatch local_batch;
+  LocalBatch& l = local_batch;
+  connect_loop(*this, pixel_frame(texel, basis, term), l, count);
+  evaluate_batch(texel.brdf, basis.to_local(texel.wo), {l.x, l.y, l.z, l.red, l.green, l.blue, count});
+  multiply_loop(*this, l, count);
+}
+
+void ConnectionBatch::connect_beside_rays(const GBufferTexel& texel, const Basis& basis, GeometryTerm term,
+                                          float light_draws) {
+  pad();
+  const size_t count = padded(size);
+  LocalBatch local_batch;
+  LocalBatch& l = local_batch;
+  alignas(64) float density[capacity];
+  connect_loop(*this, pixel_frame(texel, basis, term), l, count);
+  evaluate_batch(texel.brdf, basis.to_local(texel.wo),
+                 {l.x, l.y, l.z, l.red, l.green, l.blue, count, density});
+  balance_loop(*this, density, light_draws, count);
+  multiply_loop(*this, l, count);
 }
 
 }  // namespace halflight

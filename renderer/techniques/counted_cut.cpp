@@ -28,6 +28,21 @@ void shoot_lobe_rays(const GBufferTexel& texel, uint32_t ray_count, RandomStream
 CountedCut::CountedCut(const Cut& cut, const CountedCutParameters& parameters)
     : cut_(&cut), parameters_(parameters), guard_(cut.padded_size()), arriving_(cut.padded_size()) {}
 
+CountedCut::CountedCut(const LightTree& tree, const Cut& cut, const CountedCutParameters& parameters,
+                       float most_reach)
+    : CountedCut(cut, parameters) {
+  tile_cut_ = std::make_unique<TileCut>(tree, cut);
+  cut_ = &tile_cut_->cut();
+  most_reach_ = most_reach;
+}
+
+void CountedCut::begin_group(const Aabb& points) {
+  if (!tile_cut_ || points.empty()) return;
+  tile_cut_->refine(points, most_reach_);
+  guard_.resize(cut_->padded_size());
+  arriving_.resize(cut_->padded_size());
+}
+
 bool CountedCut::begin_pixel(const GBufferTexel& texel, RandomStream& random) {
   const bool counts = parameters_.ray_count > 0 && texel.brdf.has_specular() &&
                       lobe_variance(texel.brdf) * static_cast<float>(cut_->size) < narrow_lobe;

@@ -3,8 +3,11 @@
 // over a cut of equal radiances BRDF sampling alone.
 #pragma once
 
+#include <memory>
+
 #include "lights/cut_counting.h"
 #include "lights/cut_distribution.h"
+#include "lights/tile_cut.h"
 #include "scene/gbuffer.h"
 #include "techniques/settings.h"
 
@@ -27,16 +30,22 @@ class CountedCut {
  public:
   /// The cut must outlive it.
   CountedCut(const Cut&, const CountedCutParameters&);
+  /// Splits clusters that reach further than `most_reach` of their distance to the pixels in hand.
+  CountedCut(const LightTree&, const Cut&, const CountedCutParameters&, float most_reach);
 
+  void begin_group(const Aabb& points);
   bool begin_pixel(const GBufferTexel&, RandomStream&);
   void draw(RandomStream& random, std::span<LightSample> out) const {
     distribution_.draw(*cut_, random, out);
   }
+  const Cut& cut() const { return *cut_; }
   const CutDistribution& distribution() const { return distribution_; }
 
  private:
+  std::unique_ptr<TileCut> tile_cut_;  ///< null where nothing is split
   const Cut* cut_;
   CountedCutParameters parameters_;
+  float most_reach_ = 0;
   CutDistribution distribution_;
   ClusterCounter counter_;
   RayBundle rays_;

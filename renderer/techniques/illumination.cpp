@@ -15,13 +15,14 @@ bool build_illumination(const Cut& cut, CutDistribution& distribution) {
 namespace {
 
 struct IlluminationSampler {
-  const Cut* cut;
+  const Cut* all;
   const CutDistribution* shared;
   bool drawable;
 
   bool begin_pixel(const GBufferTexel&, RandomStream&) { return drawable; }
-  void draw(RandomStream& random, std::span<LightSample> out) const { shared->draw(*cut, random, out); }
+  void draw(RandomStream& random, std::span<LightSample> out) const { shared->draw(*all, random, out); }
   const CutDistribution& distribution() const { return *shared; }
+  const Cut& cut() const { return *all; }
 };
 
 class Illumination final : public Technique {

@@ -9,22 +9,6 @@ namespace halflight {
 
 namespace {
 
-// Solid angle given to a directional light, about the sun's; a power of two, so that E⊥ = L Ω exactly.
-constexpr float directional_solid_angle = 0x1p-14f;
-
-/// A directional light lies at infinity: it joins the distant lights, as one more direction with its solid
-/// angle.
-void move_to_infinity(const Scene& scene, VirtualLight& light) {
-  if (light.kind != LightKind::punctual) return;
-  const PunctualLight& punctual = scene.lights[light.source];
-  if (punctual.kind != PunctualKind::directional) return;
-  light.kind = LightKind::environment;
-  light.position = -punctual.direction;
-  light.normal = punctual.direction;
-  light.measure = directional_solid_angle;
-  light.radiance = punctual.intensity / directional_solid_angle;
-}
-
 bool same_place(const VirtualLight& a, const VirtualLight& b) {
   return a.kind == b.kind && a.position == b.position && a.normal == b.normal && a.measure == b.measure;
 }
@@ -60,10 +44,7 @@ std::vector<VirtualLight> LightStage::gather(const Scene& scene, const LightPoin
     append(bounce_lights(bounce_points_, light_points(bounce_points_)));
     times_.lighting = watch.lap();
   }
-  if (kinds_.punctual) {
-    append(punctual_points(scene));
-    for (VirtualLight& light : all) move_to_infinity(scene, light);
-  }
+  if (kinds_.punctual) append(punctual_points(scene));
   times_.points += watch.lap();
   return all;
 }

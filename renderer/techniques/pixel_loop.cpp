@@ -42,6 +42,17 @@ RandomStream pixel_stream(const FrameView& frame, const PassRequest& request, ui
   return RandomStream(pixel, request.pass, frame.seed);
 }
 
+Aabb PixelGroups::points_of(glm::uvec2 block) const {
+  const uint32_t width = static_cast<uint32_t>(gbuffer_->width),
+                 height = static_cast<uint32_t>(gbuffer_->height);
+  Aabb box;
+  for (uint32_t y = block.y * side; y < std::min((block.y + 1) * side, height); ++y)
+    for (uint32_t x = block.x * side; x < std::min((block.x + 1) * side, width); ++x)
+      if (const GBufferTexel& texel = gbuffer_->texels[y * width + x]; texel.hit())
+        box.extend(texel.position);
+  return box;
+}
+
 PixelWorker::PixelWorker(const FrameView& frame, const PassRequest& request, Film& film, bool exhaustive)
     : frame_(frame),
       request_(request),

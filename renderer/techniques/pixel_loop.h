@@ -25,9 +25,16 @@ concept LightSampler = requires(S& sampler, const GBufferTexel& texel, RandomStr
   sampler.draw(random, out);
 };
 
+/// A sampler that prepares for neighbouring pixels: `begin_group` gets the box of their points.
+template <class S>
+concept PreparesGroups = requires(S& sampler, const Aabb& box) {
+  sampler.begin_group(box);
+};
+
 /// A sampler over a cut whose probabilities can be told.
 template <class S>
 concept HasPmf = LightSampler<S> && requires(const S& sampler) {
+  { sampler.cut() } -> std::same_as<const Cut&>;
   { sampler.distribution() } -> std::same_as<const CutDistribution&>;
 };
 
@@ -118,6 +125,30 @@ class TileGrid {
   uint32_t width_, height_, stride_, offset_x_, offset_y_, columns_, rows_;
 };
 
+/// Calls `begin_group` of whoever prepares for neighbouring pixels each time a pixel lies in another block of
+/// 16×16 than the one before: the same blocks for any subset of the pixels, so that subsets make up a whole
+/// pass.
+class PixelGroups {
+ public:
+  explicit PixelGroups(const GBuffer& gbuffer) : gbuffer_(&gbuffer) {}
+
+  template <class BeginGroup>
+  void next(uint32_t pixel, const BeginGroup& begin_group) {
+    const uint32_t width = static_cast<uint32_t>(gbuffer_->width);
+    const glm::uvec2 block = glm::uvec2(pixel % width, pixel / width) / side;
+    if (block == block_) return;
+    block_ = block;
+    if (const Aabb box = points_of(block); !box.empty()) begin_group(box);
+  }
+
+ private:
+  static constexpr uint32_t side = 16;
+  Aabb points_of(glm::uvec2 block) const;
+
+  const GBuffer* gbuffer_;
+  glm::uvec2 block_{0xffffffffu};
+};
+
 /// Random numbers of a pixel in a pass.
 RandomStream pixel_stream(const FrameView&, const PassRequest&, uint32_t pixel);
 
@@ -161,17 +192,20 @@ PassStats run_sampler_pass(const FrameView& frame, const PassRequest& request, F
   struct State {
     Sampler sampler;
     std::array<std::vector<LightSample>, 2> draws;
+    PixelGroups groups;
   };
   const auto make_state = [&] {
-    State state{make_sampler(), {}};
+    State state{make_sampler(), {}, PixelGroups(*frame.gbuffer)};
     for (int half = 0; half < 2; ++half) state.draws[half].resize(split[half]);
     return state;
   };
   const auto render_tile = [&](PixelWorker& worker, State& state, std::span<const uint32_t> pixels) {
     for (const uint32_t pixel : pixels) {
+      const uint64_t start = ticks_now();
+      if constexpr (PreparesGroups<Sampler>)
+        state.groups.next(pixel, [&](const Aabb& box) { state.sampler.begin_group(box); });
       if (!worker.open(pixel)) continue;
       RandomStream random = pixel_stream(frame, request, pixel);
-      const uint64_t start = ticks_now();
       const bool drawable = state.sampler.begin_pixel(worker.texel(), random);
       const uint64_t built = ticks_now();
       worker.distribution_ticks += built - start;
@@ -202,8 +236,10 @@ PixelInspection inspect_sampler(Sampler& sampler, const FrameView& frame, const 
   result.probability.assign(frame.tree->lights.size(), 0.0);
   result.weight.assign(frame.tree->lights.size(), 0.0f);
   RandomStream random = pixel_stream(frame, request, pixel);
+  if constexpr (PreparesGroups<Sampler>)
+    PixelGroups(*frame.gbuffer).next(pixel, [&](const Aabb& box) { sampler.begin_group(box); });
   if (!sampler.begin_pixel(frame.gbuffer->texels[pixel], random)) return result;
-  const Cut& cut = *frame.cut;
+  const Cut& cut = sampler.cut();
   for (uint32_t k = 0; k < cut.size; ++k) {
     for (uint32_t i = cut.begin[k]; i < cut.end[k]; ++i) {
       result.probability[i] = sampler.distribution().probability(cut, k, i);

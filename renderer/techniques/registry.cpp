@@ -18,6 +18,8 @@ TechniqueInfo instant_technique();
 TechniqueInfo light_bvh_technique();
 TechniqueInfo stochastic_lightcuts_technique();
 TechniqueInfo filtered_technique();
+TechniqueInfo path_technique();
+TechniqueInfo halflight_technique();
 
 std::string_view target_name(Target target) { return target == Target::discrete ? "discrete" : "continuous"; }
 
@@ -26,7 +28,8 @@ std::span<const TechniqueInfo> techniques() {
       bidirectional_technique(), single_point_technique(), illumination_technique(),
       brdf_technique(),          sir_technique(),          mis_technique(),
       instant_technique(),       light_bvh_technique(),    stochastic_lightcuts_technique(),
-      filtered_technique(),      reference_technique()};
+      filtered_technique(),      halflight_technique(),    path_technique(),
+      reference_technique()};
   return registry;
 }
 
@@ -56,6 +59,7 @@ bool uses_light_set(const TechniqueInfo& info, Target target) {
 }
 
 PassStats& PassStats::operator+=(const PassStats& o) {
+  lights_seconds += o.lights_seconds;
   distribution_seconds += o.distribution_seconds, sampling_seconds += o.sampling_seconds;
   visibility_seconds += o.visibility_seconds, resolve_seconds += o.resolve_seconds;
   gpu_seconds += o.gpu_seconds;

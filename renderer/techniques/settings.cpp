@@ -13,7 +13,8 @@ namespace halflight {
 namespace {
 
 constexpr std::array shared_table{
-    SettingInfo{"lights.count", 32768, 1, 1e6, "points placed for each kind of light; a surface point is a light on each side"},
+    SettingInfo{"lights.count", 32768, 1, 1e6,
+                "points placed for each kind of light; a surface point is a light on each side"},
     SettingInfo{"lights.seed", 0, 0, 9007199254740992.0, "positions of S in the discrete target"},
     SettingInfo{"lights.repulsion", 4, 0, 64, "steps that push surface points apart; 0: stratified points"},
     SettingInfo{"lights.samples", 16, 0, 4096,
@@ -22,7 +23,8 @@ constexpr std::array shared_table{
     SettingInfo{"cut.sigma", 0, 0, 1e30,
                 "above 0: the paper's absolute error per cluster instead (it uses 5)"},
     SettingInfo{"cut.least", 64, 1, 1e6, "clusters at least, for each kind of light"},
-    SettingInfo{"cut.most", 1024, 1, 1e6, "clusters at most, for each kind of light (and not fewer than cut.least)"},
+    SettingInfo{"cut.most", 1024, 1, 1e6,
+                "clusters at most, for each kind of light (and not fewer than cut.least)"},
 };
 
 const SettingInfo& find_setting(std::string_view key) {

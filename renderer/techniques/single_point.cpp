@@ -91,6 +91,7 @@ class SinglePointSampler {
     distribution_.draw(*cut_, random, out);
   }
   const CutDistribution& distribution() const { return distribution_; }
+  const Cut& cut() const { return *cut_; }
 
  private:
   const Cut* cut_;

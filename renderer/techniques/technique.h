@@ -16,6 +16,7 @@
 #include "film/film.h"
 #include "lights/cut_distribution.h"
 #include "lights/light_tree.h"
+#include "scene/camera.h"
 #include "scene/gbuffer.h"
 #include "techniques/settings.h"
 #include "trace/ray_scene.h"
@@ -46,9 +47,10 @@ struct LightKinds {
 /// Everything a technique may read while a pass runs; nothing in it changes during the pass.
 struct FrameView {
   const Scene* scene = nullptr;
+  const Camera* camera = nullptr;  ///< for techniques that send their own rays through the film's pixels
   const RayScene* rays = nullptr;
-  Rasterizer* raster = nullptr;  ///< drew the G-buffer and still holds it; null where rays made it
-  const GBuffer* gbuffer = nullptr;
+  Rasterizer* raster = nullptr;      ///< drew the G-buffer and still holds it; null where rays made it
+  const GBuffer* gbuffer = nullptr;  ///< null, as `base`, for techniques that trace from the camera
   const LightTree* tree = nullptr;
   const Cut* cut = nullptr;
   const SettingValues* settings = nullptr;
@@ -57,6 +59,7 @@ struct FrameView {
   /// What a technique that follows rays itself must find, each once: D_environment, D_emitter, I (`surfaces`)
   /// and D_punctual; the rest is in `base` or was not asked for. S holds these very kinds.
   LightKinds kinds;
+  LightSelection light = LightSelection::all;  ///< what of the picture is asked for
   uint64_t seed = 0;
   uint32_t alpha_seed = 0;
 
@@ -80,6 +83,7 @@ struct PassRequest {
 };
 
 struct PassStats {
+  double lights_seconds = 0;  ///< wall time of making its own lights
   double distribution_seconds = 0, sampling_seconds = 0, visibility_seconds = 0,
          resolve_seconds = 0;  ///< thread seconds
   double gpu_seconds = 0;      ///< of the GPU, within `sampling_seconds`
@@ -120,6 +124,8 @@ struct TechniqueInfo {
   bool counts_brdf_rays = false;  ///< rays of specular lobes are counted over the cut
   /// In the continuous target it follows rays into the scene itself: its mean is no sum over the frame's S.
   bool leaves_s_when_continuous = false;
+  /// It finds the whole picture by its own rays from the camera: no G-buffer and no `base` are made for it.
+  bool traces_from_camera = false;
   bool exact = false;  ///< one pass holds all the technique has to give; more passes repeat it
   Device device = Device::cpu;
   bool hidden = false;  ///< found by its id, listed nowhere

@@ -33,7 +33,7 @@ std::optional<BouncePlace> bounce_place(const Scene& scene, SurfacePoint surface
   Vec3 normal = cross / length;
   const float facing = -glm::dot(normal, wi);
   if (facing < 0) normal = -normal;
-  return BouncePlace{surface, surface_position(scene, surface), normal, std::abs(facing)};
+  return BouncePlace{surface, surface_position(scene, surface), normal, std::abs(facing), facing >= 0};
 }
 
 Vec3 bounce_reflection(const Scene& scene, const BouncePlace& place) {

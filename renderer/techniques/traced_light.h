@@ -40,6 +40,7 @@ struct BouncePlace {
   Vec3 position;
   Vec3 normal;      ///< unit, geometric, on the side that is seen
   float cos_light;  ///< cosine towards the viewer
+  bool front;       ///< the side that is seen is the winding's
 
   /// Density per solid angle at which points drawn evenly by area lie there, seen from `distance`.
   float pdf(const LightSources& lights, float distance) const {

@@ -60,6 +60,13 @@ DrawAllocation::DrawAllocation(const Shares& shares, uint32_t samples) {
   prefix_.back() = samples;  // the sum of shares may miss it by a rounding
 }
 
+DrawAllocation DrawAllocation::of_rays_and_samples(float brdf_rays, float light_samples) {
+  DrawAllocation allocation;
+  allocation.expected_.fill(light_samples);
+  allocation.expected_[static_cast<size_t>(DrawKind::brdf)] = brdf_rays;
+  return allocation;
+}
+
 std::array<uint32_t, draw_kind_count> DrawAllocation::counts(float u) const {
   // Systematic sampling: the points j + u along the kinds' shares. Whole shares hold that many of them
   // always.
@@ -104,6 +111,7 @@ bool TracedWorker::open(uint32_t pixel) {
 
 void TracedWorker::draw(int half, RandomStream& random, float scale) {
   allocation_ = &allocations_[static_cast<size_t>(half)];
+  strata_ = nullptr;
   slot_ = 2 * open_count_ + static_cast<uint32_t>(half);
   scale_ = scale;
   const auto counts = allocation_->counts(random.next());
@@ -113,6 +121,15 @@ void TracedWorker::draw(int half, RandomStream& random, float scale) {
   draw_emitters(count(DrawKind::emitters), random);
   draw_surfaces(count(DrawKind::surfaces), random);
   draw_punctual(count(DrawKind::punctual), random);
+}
+
+void TracedWorker::draw_brdf(int half, uint32_t count, const DrawAllocation& allocation,
+                             const StrataDensity& strata, RandomStream& random) {
+  allocation_ = &allocation;
+  strata_ = &strata;
+  slot_ = 2 * open_count_ + static_cast<uint32_t>(half);
+  scale_ = 1;
+  draw_brdf_rays(count, random);
 }
 
 void TracedWorker::draw_brdf_rays(uint32_t count, RandomStream& random) {
@@ -147,7 +164,7 @@ void TracedWorker::trace_brdf_ray(BrdfRay ray, RandomStream& random) {
     }
   }
   if (!kinds.environment) return;
-  const MetLight light = met_environment(lights_, ray.wi);
+  const MetLight light = environment_met(ray);
   const Vec3 value = ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::environment);
   if (needs_hit)
     open_[open_count_].sum[slot_ % 2] += value;
@@ -161,18 +178,39 @@ void TracedWorker::finish_hits(RandomStream& random) {
   for (size_t i = 0; i < hit_count_; ++i) {
     const BrdfRay& ray = hits_[i];
     if (frame_.kinds.emitters) {
-      const MetLight light = met_emission(lights_, ray.hit, ray.wi);
+      const MetLight light = emission_met(ray);
       if (max_component(light.radiance) > 0)
         open_[open_count_].sum[slot_ % 2] +=
             ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::emitters);
     }
     if (!frame_.kinds.surfaces) continue;
     if (const auto place = bounce_place(scene, ray.hit.point, ray.wi)) {
-      const float weight = weigh(ray, place->pdf(lights_, ray.hit.distance), DrawKind::surfaces);
+      const float weight = weigh(ray, surface_pdf(ray, *place), DrawKind::surfaces);
       light_bounce(*place, ray.reflected * weight, slot_, random.next_bits());
     }
   }
   hit_count_ = 0;
+}
+
+MetLight TracedWorker::environment_met(const BrdfRay& ray) const {
+  if (!strata_) return met_environment(lights_, ray.wi);
+  return {environment_radiance(frame_.scene->environment, ray.wi),
+          strata_->of(strata_->lights->met_environment(ray.wi))};
+}
+
+MetLight TracedWorker::emission_met(const BrdfRay& ray) const {
+  MetLight light = met_emission(lights_, ray.hit, ray.wi);
+  if (!strata_ || !(max_component(light.radiance) > 0)) return light;
+  const Vec3 cross = triangle_cross(*frame_.scene, ray.hit.point.triangle);
+  const float cos_light = -glm::dot(cross, ray.wi) / std::max(glm::length(cross), 1e-37f);
+  const float density = strata_->of(strata_->lights->met_emitter(ray.hit.point, cos_light > 0));
+  return {light.radiance, area_to_solid_angle(density, ray.hit.distance, std::abs(cos_light))};
+}
+
+float TracedWorker::surface_pdf(const BrdfRay& ray, const BouncePlace& place) const {
+  if (!strata_) return place.pdf(lights_, ray.hit.distance);
+  const float density = strata_->of(strata_->lights->met_surface(ray.hit.point, place.front));
+  return area_to_solid_angle(density, ray.hit.distance, place.cos_light);
 }
 
 float TracedWorker::weigh(const BrdfRay& ray, float light_pdf, DrawKind kind) const {
@@ -257,16 +295,16 @@ void TracedWorker::add_surface_sample(SurfacePoint surface, RandomStream& random
   push(shadow_ray(origin_, wi, distance), value, static_cast<uint32_t>(bounces_.size() - 1));
 }
 
-void TracedWorker::push(const ShadowRay& ray, Vec3 value, uint32_t bounce) {
+void TracedWorker::push(const ShadowRay& ray, Vec3 value, uint32_t bounce, VisibilityCount* visibility) {
   if (!(max_component(value) > 0)) return;
   rays_.push_back(ray);
-  waiting_.push_back({value, slot_, bounce});
+  waiting_.push_back({value, slot_, bounce, visibility});
   if (rays_.size() == most_rays) trace_first();
 }
 
-void TracedWorker::add_ray(const ShadowRay& ray, Vec3 value, int half) {
+void TracedWorker::add_ray(const ShadowRay& ray, Vec3 value, int half, VisibilityCount* visibility) {
   slot_ = 2 * open_count_ + static_cast<uint32_t>(half);
-  push(ray, value, no_bounce);
+  push(ray, value, no_bounce, visibility);
 }
 
 void TracedWorker::light_bounce(const BouncePlace& place, Vec3 value, uint32_t slot, uint64_t key) {
@@ -275,7 +313,7 @@ void TracedWorker::light_bounce(const BouncePlace& place, Vec3 value, uint32_t s
   RandomStream random(key, 0, 0);
   draw_irradiance(lights_, place, random, [&](const ShadowRay& ray, Vec3 irradiance) {
     bounce_rays_.push_back(ray);
-    bounce_waiting_.push_back({returned * irradiance, slot, no_bounce});
+    bounce_waiting_.push_back({returned * irradiance, slot, no_bounce, nullptr});
   });
   if (bounce_rays_.size() + most_irradiance_rays > most_rays) trace_second();
 }
@@ -295,6 +333,7 @@ void TracedWorker::trace(std::vector<ShadowRay>& rays, Arrive&& arrive) {
 void TracedWorker::trace_first() {
   trace(rays_, [&](size_t i) {
     const Waiting& waiting = waiting_[i];
+    if (waiting.visibility) ++waiting.visibility->arrived;
     if (waiting.bounce == no_bounce) {
       open_[waiting.slot / 2].sum[waiting.slot % 2] += waiting.value;
     } else {
@@ -339,17 +378,19 @@ void TracedWorker::add_to_film(const OpenPixel& pixel) {
 void TracedWorker::begin_tile() {
   tile_watch_ = Stopwatch();
   tile_start_ticks_ = ticks_now();
-  visibility_ticks_ = resolve_ticks_ = 0;
+  distribution_ticks = visibility_ticks_ = resolve_ticks_ = 0;
 }
 
 void TracedWorker::end_tile() {
   const auto ticks = static_cast<double>(std::max<uint64_t>(ticks_now() - tile_start_ticks_, 1));
   const double seconds = tile_watch_.seconds(), unit = seconds / ticks;
   const double visibility = static_cast<double>(visibility_ticks_) * unit,
-               resolve = static_cast<double>(resolve_ticks_) * unit;
+               resolve = static_cast<double>(resolve_ticks_) * unit,
+               distribution = static_cast<double>(distribution_ticks) * unit;
+  stats_.distribution_seconds += distribution;
   stats_.visibility_seconds += visibility;
   stats_.resolve_seconds += resolve;
-  stats_.sampling_seconds += std::max(seconds - visibility - resolve, 0.0);
+  stats_.sampling_seconds += std::max(seconds - visibility - resolve - distribution, 0.0);
 }
 
 PassStats run_traced_pass(const FrameView& frame, const PassRequest& request, Film& film,

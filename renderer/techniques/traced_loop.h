@@ -6,6 +6,8 @@
 #include <array>
 
 #include "core/stopwatch.h"
+#include "techniques/learned_lights.h"
+#include "techniques/learned_visibility.h"
 #include "techniques/pixel_loop.h"
 #include "techniques/traced_light.h"
 
@@ -26,6 +28,9 @@ class DrawAllocation {
   DrawAllocation() = default;
   /// `shares` are in proportion; all 0 draws nothing.
   DrawAllocation(const Shares& shares, uint32_t samples);
+
+  /// `brdf_rays` BRDF rays beside `light_samples` draws that find light of every kind.
+  static DrawAllocation of_rays_and_samples(float brdf_rays, float light_samples);
 
   /// n of the balance heuristic.
   float expected(DrawKind kind) const { return expected_[static_cast<size_t>(kind)]; }
@@ -52,6 +57,21 @@ struct TracedParameters {
       BrdfEstimator::whole;  ///< chosen_lobe: only without light samples of what it finds
 };
 
+/// Where light samples come from a distribution over strata: what it is at the pixel in hand.
+struct StrataDensity {
+  const LearnedLights* lights = nullptr;
+  const TileCut* cut = nullptr;
+  const CutDistribution* distribution = nullptr;  ///< over the cut; null: no light samples
+
+  /// Density per area (at infinity, per solid angle) with which light samples fall there.
+  float of(const std::optional<LearnedLights::Met>& met) const {
+    if (!met || !distribution) return 0;
+    const uint32_t cluster = cut->cluster_of(met->leaf);
+    if (cluster == TileCut::none) return 0;
+    return static_cast<float>(distribution->probability(cut->cut(), cluster, met->leaf)) / met->measure;
+  }
+};
+
 /// One thread's part of a pass. Allocates when made and not after.
 class TracedWorker {
  public:
@@ -67,8 +87,10 @@ class TracedWorker {
 
   /// All draws of a half: adds `scale` times an estimate of the pixel's light of `frame.kinds`.
   void draw(int half, RandomStream&, float scale = 1);
-  /// `value` is added where nothing blocks the ray.
-  void add_ray(const ShadowRay&, Vec3 value, int half);
+  /// BRDF rays alone, weighed beside light samples from strata.
+  void draw_brdf(int half, uint32_t count, const DrawAllocation&, const StrataDensity&, RandomStream&);
+  /// `value` is added where nothing blocks the ray; `visibility`, where given, learns whether it arrived.
+  void add_ray(const ShadowRay&, Vec3 value, int half, VisibilityCount* visibility = nullptr);
 
   /// Ends the pixel; traces when enough rays are waiting.
   void close();
@@ -78,6 +100,9 @@ class TracedWorker {
   void begin_tile();
   void end_tile();
   PassStats& stats() { return stats_; }
+
+  /// Ticks that the caller spent on distributions since `begin_tile`.
+  uint64_t distribution_ticks = 0;
 
  private:
   static constexpr uint32_t most_pixels = 64;
@@ -90,8 +115,9 @@ class TracedWorker {
   };
   struct Waiting {
     Vec3 value;
-    uint32_t slot;    ///< 2 · open pixel + half
-    uint32_t bounce;  ///< what to light when the ray arrives, instead of adding the value
+    uint32_t slot;                ///< 2 · open pixel + half
+    uint32_t bounce;              ///< what to light when the ray arrives, instead of adding the value
+    VisibilityCount* visibility;  ///< what learns of it, or null
   };
   struct WaitingBounce {
     BouncePlace place;
@@ -109,6 +135,9 @@ class TracedWorker {
   void draw_brdf_rays(uint32_t count, RandomStream&);
   void trace_brdf_ray(BrdfRay, RandomStream&);
   void finish_hits(RandomStream&);
+  MetLight environment_met(const BrdfRay&) const;
+  MetLight emission_met(const BrdfRay&) const;
+  float surface_pdf(const BrdfRay&, const BouncePlace&) const;
   float weigh(const BrdfRay&, float light_pdf, DrawKind) const;
   void draw_environment(uint32_t count, RandomStream&);
   void draw_emitters(uint32_t count, RandomStream&);
@@ -116,7 +145,7 @@ class TracedWorker {
   void draw_punctual(uint32_t count, RandomStream&);
   void add_light_sample(const IncidentSample&, DrawKind);
   void add_surface_sample(SurfacePoint, RandomStream&);
-  void push(const ShadowRay&, Vec3 value, uint32_t bounce);
+  void push(const ShadowRay&, Vec3 value, uint32_t bounce, VisibilityCount* visibility = nullptr);
   void light_bounce(const BouncePlace&, Vec3 value, uint32_t slot, uint64_t key);
   void trace_first();
   void trace_second();
@@ -138,6 +167,7 @@ class TracedWorker {
   RayOrigin origin_;
   // Of the draws in hand.
   const DrawAllocation* allocation_ = nullptr;
+  const StrataDensity* strata_ = nullptr;  ///< null: light samples come from the sources themselves
   float scale_ = 1;
   uint32_t slot_ = 0;
 

@@ -32,9 +32,15 @@ struct PendingRays {
 std::vector<Vec3> irradiance_by_rays(const RayScene& rays, const std::vector<BouncePoint>& points,
                                      const PointLighting& lighting, RayCounters& counters) {
   const Scene& scene = rays.scene();
+  return irradiance_by_rays(rays, EnvironmentSampler(scene.environment, lighting.environment),
+                            EmitterSampler(scene, lighting.emitters), points, lighting, counters);
+}
+
+std::vector<Vec3> irradiance_by_rays(const RayScene& rays, const EnvironmentSampler& environment,
+                                     const EmitterSampler& emitters, const std::vector<BouncePoint>& points,
+                                     const PointLighting& lighting, RayCounters& counters) {
+  const Scene& scene = rays.scene();
   std::vector<Vec3> result(2 * points.size(), Vec3(0));
-  const EnvironmentSampler environment(scene.environment, lighting.environment);
-  const EmitterSampler emitters(scene, lighting.emitters);
   const bool both = !environment.empty() && !emitters.empty();
   const int samples = std::max(lighting.samples, both ? 2 : 1);
   const int environment_samples = environment.empty() ? 0 : both ? samples / 2 : samples;
@@ -73,7 +79,7 @@ std::vector<Vec3> irradiance_by_rays(const RayScene& rays, const std::vector<Bou
                           sample->radiance_over_pdf / static_cast<float>(emitter_samples));
           }
         }
-        rays.occluded(pending.rays, 0, local);
+        rays.occluded(pending.rays, lighting.alpha_seed, local);
         for (size_t r = 0; r < pending.rays.size(); ++r)
           if (!pending.rays[r].blocked()) result[pending.slot[r]] += pending.irradiance[r];
       });

@@ -7,6 +7,7 @@
 #include "lights/light_points.h"
 #include "scene/camera.h"
 #include "scene/gbuffer.h"
+#include "trace/light_sampling.h"
 #include "trace/ray_scene.h"
 
 namespace halflight {
@@ -19,12 +20,17 @@ struct PointLighting {
   bool punctual = true, environment = true, emitters = true;
   int samples = 16;  ///< shadow rays a point for environment and emitters together
   uint64_t seed = 0;
+  uint32_t alpha_seed = 0;
 };
 
 /// Irradiance on both sides of each point (2·i front, 2·i + 1 back) from punctual lights (one ray each),
 /// environment and emitters (sampled by power; unbiased).
 std::vector<Vec3> irradiance_by_rays(const RayScene&, const std::vector<BouncePoint>&, const PointLighting&,
                                      RayCounters&);
+
+/// The same from samplers that stand already; an empty one is left out.
+std::vector<Vec3> irradiance_by_rays(const RayScene&, const EnvironmentSampler&, const EmitterSampler&,
+                                     const std::vector<BouncePoint>&, const PointLighting&, RayCounters&);
 
 /// D_punctual at each pixel by one shadow ray a light: f · cos θ · E, added to `radiance` (one a pixel).
 void add_punctual_by_rays(const RayScene&, const GBuffer&, uint32_t alpha_seed, std::vector<Vec3>& radiance,

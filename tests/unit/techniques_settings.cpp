@@ -80,7 +80,8 @@ TEST(Techniques, AreFoundByTheirIds) {
     EXPECT_FALSE(info.title.empty() || info.source.empty());
     EXPECT_NE(info.make(), nullptr);
   }
-  for (const char* id : {"reference", "illumination", "bidirectional"}) EXPECT_TRUE(ids.count(id)) << id;
+  for (const char* id : {"reference", "illumination", "bidirectional", "path"})
+    EXPECT_TRUE(ids.count(id)) << id;
   EXPECT_NE(usage_message([] { find_technique("bidirectionl"); }).find("did you mean 'bidirectional'"),
             std::string::npos);
 }
@@ -89,6 +90,9 @@ TEST(Techniques, RunInTheTargetsTheySupport) {
   EXPECT_EQ(choose_target(find_technique("bidirectional"), std::nullopt), Target::discrete);
   EXPECT_EQ(choose_target(find_technique("bidirectional"), Target::continuous), Target::continuous);
   EXPECT_EQ(choose_target(find_technique("reference"), std::nullopt), Target::discrete);
+  EXPECT_EQ(choose_target(find_technique("path"), std::nullopt), Target::continuous);
+  EXPECT_NE(usage_message([] { choose_target(find_technique("path"), Target::discrete); }).find("discrete"),
+            std::string::npos);
   EXPECT_NE(usage_message([] {
               choose_target(find_technique("reference"), Target::continuous);
             }).find("continuous"),

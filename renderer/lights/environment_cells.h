@@ -1,0 +1,48 @@
+// Strata of the sphere of directions: square blocks of texels, small where the environment is bright or
+// varies. One direction uniform in each, and from a direction back to its block.
+#pragma once
+
+#include <vector>
+
+#include "core/math.h"
+#include "scene/environment.h"
+
+namespace halflight {
+
+class EnvironmentCells {
+ public:
+  EnvironmentCells() = default;
+  /// At most `count` blocks, from splitting whichever would be missed most: the root mean square of what a
+  /// point uniform in it would err by, and a share of its light for the angle that it spans. A single texel
+  /// is split no further. Keeps no reference; the map's texels, not its rotation or strength, decide.
+  EnvironmentCells(const Environment&, uint32_t count);
+
+  uint32_t size() const { return static_cast<uint32_t>(cells_.size()); }
+  /// Uniform by solid angle, as the environment stands now. `u` in [0, 1)².
+  Vec3 draw(const Environment&, uint32_t cell, Vec2 u) const;
+  uint32_t cell_of(const Environment&, Vec3 direction) const;
+  float solid_angle(uint32_t cell) const { return cells_[cell].solid_angle; }
+  /// Mean over the cell of the map, in units of its strength.
+  Vec3 mean_radiance(uint32_t cell) const { return cells_[cell].mean; }
+
+ private:
+  struct Block {
+    int x, y, level;  ///< texels [x, x + 2^level) × [y, y + 2^level), as far as the map goes
+  };
+  struct Node {
+    Block block;
+    int32_t children = -1;  ///< four of them in a row; −1: a cell
+    uint32_t cell = 0;
+  };
+  struct Cell {
+    Block block;
+    Vec3 mean;
+    float solid_angle;
+  };
+
+  std::vector<Node> nodes_;
+  std::vector<Cell> cells_;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace halflight

@@ -1,0 +1,55 @@
+// A cut refined for a few neighbouring pixels: clusters that are large beside their distance are split, for
+// inside them no single cosine or distance holds (ESTIMATORS: split any node with R_k/r > 0.5).
+#pragma once
+
+#include <vector>
+
+#include "lights/light_tree.h"
+
+namespace halflight {
+
+/// One thread's. The base cut and its tree must outlive it.
+class TileCut {
+ public:
+  static constexpr uint32_t none = 0xffffffffu;
+  static constexpr uint32_t most_new = 512;  ///< clusters that splitting may add
+
+  TileCut(const LightTree&, const Cut& base);
+
+  /// The cut for points within `box`, in tree order like the base cut. Clusters that reach further than
+  /// `most_reach` of their distance to the box are split, the nearest first, until none does, they are
+  /// leaves, or `most_new` clusters have been added.
+  const Cut& refine(const Aabb& box, float most_reach);
+  const Cut& cut() const { return cut_; }
+
+  /// The base cut's cluster that holds cluster k.
+  uint32_t base_of(uint32_t k) const { return base_of_[k]; }
+  /// The base cut's cluster that holds a leaf; `none` where it has none.
+  uint32_t base_of_leaf(uint32_t leaf) const { return base_of_leaf_[leaf]; }
+  /// The cluster of a leaf; `none` where the leaf has no power.
+  uint32_t cluster_of(uint32_t leaf) const;
+
+ private:
+  /// A base cluster that is split into nodes [first, last) of `parts_`.
+  struct Split {
+    uint32_t cluster;
+    uint32_t first, last;
+  };
+
+  void find_near(const Aabb&, float most_reach);
+  void split(uint32_t base_cluster, const Aabb&, float most_reach);
+  void assemble();
+
+  const LightTree* tree_;
+  const Cut* base_;
+  Cut cut_;
+  std::vector<uint32_t> base_of_leaf_;
+  std::vector<uint32_t> base_of_;    ///< of each cluster
+  std::vector<uint32_t> placed_at_;  ///< first cluster of each base cluster, and one past the last
+  std::vector<Split> splits_;
+  std::vector<uint32_t> parts_, stack_;
+  std::vector<float> reach2_;
+  std::vector<std::pair<float, uint32_t>> near_;
+};
+
+}  // namespace halflight

@@ -1,0 +1,57 @@
+// The light of `halflight`: strata fixed by geometry, a tree and a cut over them whose powers come from a
+// pilot set, and the set that is drawn afresh each round. Probabilities never depend on the set in hand, so
+// that a light sample and a BRDF ray which meets the same light can be weighed by one balance heuristic
+// (ESTIMATORS: "Continuous mode").
+#pragma once
+
+#include <optional>
+
+#include "lights/light_strata.h"
+#include "lights/tile_cut.h"
+#include "techniques/traced_light.h"
+
+namespace halflight {
+
+class LearnedLights {
+ public:
+  static constexpr uint32_t none = LightStrata::none;
+
+  /// Makes strata, pilot set, tree and cut for the frame's scene and kinds of light; `pilot_rays` light a
+  /// point of the pilot.
+  LearnedLights(const FrameView&, uint32_t pilot_rays, RayCounters&);
+
+  /// Draws the set of a round, its points lit by `rays_a_point` rays.
+  void draw_set(const FrameView&, uint64_t round, uint32_t rays_a_point, RayCounters&);
+
+  const LightSources& sources() const { return sources_; }
+  const LightTree& tree() const { return tree_; }
+  const Cut& cut() const { return cut_; }
+  uint32_t point_count() const { return strata_.surface_count(); }
+  /// The set in hand, in the order of the cut's leaves.
+  const VirtualLight& light(uint32_t leaf) const { return lights_[leaf]; }
+  /// Whether BRDF rays find light of the leaf too.
+  bool met_by_rays(uint32_t leaf) const { return tree_.original[leaf] < strata_.punctual_begin(); }
+
+  /// The leaf of what a ray met; points have the density 1/measure in its stratum. Nothing where there is no
+  /// stratum.
+  struct Met {
+    uint32_t leaf;
+    float measure;
+  };
+  std::optional<Met> met_environment(Vec3 wi) const;
+  std::optional<Met> met_emitter(SurfacePoint, bool front) const;
+  std::optional<Met> met_surface(SurfacePoint, bool front) const;
+
+ private:
+  std::vector<VirtualLight> draw(const FrameView&, uint64_t seed, uint32_t rays_a_point, RayCounters&) const;
+  std::optional<Met> met(uint32_t stratum, float measure) const;
+
+  LightSources sources_;
+  LightStrata strata_;
+  LightTree tree_;
+  Cut cut_;
+  std::vector<uint32_t> leaf_of_;  ///< of each stratum
+  std::vector<VirtualLight> lights_;
+};
+
+}  // namespace halflight
