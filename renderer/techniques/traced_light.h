@@ -5,7 +5,7 @@
 
 #include "lights/surface_strata.h"
 #include "techniques/technique.h"
-#include "trace/light_sampling.h"
+#include "trace/near_emitters.h"
 
 namespace halflight {
 
@@ -55,23 +55,26 @@ std::optional<BouncePlace> bounce_place(const Scene&, SurfacePoint, Vec3 wi);
 Vec3 bounce_reflection(const Scene&, const BouncePlace&);
 
 /// Estimates the irradiance at a bounce place afresh: one draw of each kind of light. Calls `add(ray,
-/// irradiance)` for each; the sum over the rays that arrive has the irradiance as its mean.
+/// irradiance)` for each; the sum over the rays that arrive, and `near_emission` beside one draw, has the
+/// irradiance as its mean.
 inline constexpr size_t most_irradiance_rays = 3;
 
 template <class Add>
 void draw_irradiance(const LightSources& lights, const BouncePlace& place, RandomStream& random, Add&& add) {
   const RayOrigin origin(lights.scene, place.position, place.normal);
-  const auto add_sample = [&](const IncidentSample& sample) {
+  const auto add_sample = [&](const IncidentSample& sample, bool emitter = false) {
     const float cos_theta = glm::dot(place.normal, sample.wi);
     if (!(cos_theta > 0)) return;
-    const Vec3 irradiance = sample.radiance_over_pdf * cos_theta;
+    const float weight =
+        emitter ? weight_beside_near_ray(lights.emitters, 1, sample.pdf, sample.distance, cos_theta) : 1.0f;
+    const Vec3 irradiance = sample.radiance_over_pdf * (cos_theta * weight);
     if (max_component(irradiance) > 0) add(shadow_ray(origin, sample.wi, sample.distance), irradiance);
   };
   if (!lights.environment.empty()) add_sample(lights.environment.sample(random.next2()));
   if (!lights.emitters.empty()) {
     const float choose = random.next();
     if (const auto sample = lights.emitters.sample(place.position, choose, random.next2()))
-      add_sample(*sample);
+      add_sample(*sample, true);
   }
   if (!lights.punctual.empty())
     if (const auto sample = lights.punctual.sample(place.position, place.normal, random)) add_sample(*sample);

@@ -311,6 +311,13 @@ void TracedWorker::light_bounce(const BouncePlace& place, Vec3 value, uint32_t s
   const Vec3 returned = value * bounce_reflection(*frame_.scene, place);
   if (!(max_component(returned) > 0)) return;
   RandomStream random(key, 0, 0);
+  if (!lights_.emitters.empty()) {
+    const uint64_t start = ticks_now();
+    const Vec3 near = near_emission(*frame_.rays, lights_.emitters, place.position, place.normal, 1, random,
+                                    frame_.alpha_seed, stats_.rays);
+    visibility_ticks_ += ticks_now() - start;
+    open_[slot / 2].sum[slot % 2] += returned * near;
+  }
   draw_irradiance(lights_, place, random, [&](const ShadowRay& ray, Vec3 irradiance) {
     bounce_rays_.push_back(ray);
     bounce_waiting_.push_back({returned * irradiance, slot, no_bounce, nullptr});

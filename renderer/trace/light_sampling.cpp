@@ -92,6 +92,13 @@ EmitterSampler::EmitterSampler(const Scene& scene, bool wanted) : scene_(scene) 
   densities_.assign(scene.triangles.size(), 0.0f);
   for (size_t i = 0; i < triangles_.size(); ++i)
     densities_[triangles_[i]] = static_cast<float>(table_.probability(i) / areas[i]);
+  double area = 0;
+  for (size_t i = 0; i < triangles_.size(); ++i) {
+    area += areas[i];
+    for (int corner = 0; corner < 3; ++corner)
+      bounds_.extend(scene.vertices[scene.triangles[triangles_[i]][corner]].position);
+  }
+  near_distance_ = static_cast<float>(std::sqrt(4 * area / pi));
 }
 
 EmitterSampler::Point EmitterSampler::point(float choose, Vec2 u) const {

@@ -63,12 +63,21 @@ class EmitterSampler {
   Point point(float choose, Vec2 u) const;
   /// Density of `point` per area of a triangle; 0 where it emits nothing.
   float density(uint32_t triangle) const { return densities_.empty() ? 0 : densities_[triangle]; }
+  /// Nearer than this, a point drawn on an emitter may weigh more than a direction drawn by the cosine: √(4
+  /// A/π) of all emitters' area. Of some emitter that near to x.
+  float near_distance() const { return near_distance_; }
+  bool may_be_near(Vec3 x) const {
+    const Vec3 apart = glm::max(glm::max(bounds_.low - x, x - bounds_.high), Vec3(0));
+    return near_distance_ > 0 && glm::dot(apart, apart) < near_distance_ * near_distance_;
+  }
 
  private:
   const Scene& scene_;
   std::vector<uint32_t> triangles_;
   std::vector<float> densities_;  ///< one a triangle of the scene
   DiscreteTable table_;
+  Aabb bounds_;
+  float near_distance_ = 0;
 };
 
 /// Punctual lights, chosen by what they would give a point with nothing in the way.

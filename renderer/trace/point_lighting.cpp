@@ -2,7 +2,7 @@
 #include "core/random.h"
 #include "lights/virtual_light.h"
 #include "trace/counted_loop.h"
-#include "trace/light_sampling.h"
+#include "trace/near_emitters.h"
 #include "trace/ray_gbuffer.h"
 
 namespace halflight {
@@ -74,10 +74,17 @@ std::vector<Vec3> irradiance_by_rays(const RayScene& rays, const EnvironmentSamp
                 (static_cast<float>(s) + random.next()) / static_cast<float>(emitter_samples);
             const auto sample =
                 emitters.sample(point.position, std::min(stratum, 0x1.fffffep-1f), random.next2());
-            if (sample)
-              pending.add(scene, point, index, sample->wi, sample->distance,
-                          sample->radiance_over_pdf / static_cast<float>(emitter_samples));
+            if (!sample) continue;
+            const float draws = static_cast<float>(emitter_samples);
+            const float weight = weight_beside_near_ray(emitters, draws, sample->pdf, sample->distance,
+                                                        std::abs(glm::dot(point.normal, sample->wi)));
+            pending.add(scene, point, index, sample->wi, sample->distance,
+                        sample->radiance_over_pdf * (weight / draws));
           }
+          for (int side = 0; emitter_samples > 0 && side < 2; ++side)
+            result[2 * i + static_cast<size_t>(side)] +=
+                near_emission(rays, emitters, point.position, side == 0 ? point.normal : -point.normal,
+                              static_cast<float>(emitter_samples), random, lighting.alpha_seed, local);
         }
         rays.occluded(pending.rays, lighting.alpha_seed, local);
         for (size_t r = 0; r < pending.rays.size(); ++r)
