@@ -117,6 +117,8 @@ void set_operands(Options& options, const Words& words) {
     options.reference = words.operands[1];
   } else if (options.command == Command::experiments) {
     if (!words.operands.empty()) options.experiment = words.operands[0];
+  } else if (options.command == Command::stress) {
+    if (!words.operands.empty()) options.stress_case = words.operands[0];
   } else if (!words.operands.empty()) {
     options.scene = words.operands[0];
     options.scene_given = true;

@@ -64,6 +64,9 @@ std::string operand_help(Command command) {
     }
     case Command::experiments:
       return entry("  NAME", "an experiment that `halflight experiments` lists, or `all`");
+    case Command::stress:
+      return entry("  NAME",
+                   "a case that `halflight stress` lists, by name or number, or `all` (default: all)");
     case Command::error:
       return entry("  IMAGE", "the picture: .exr, .hdr or .png") +
              entry("  REFERENCE", "what it should be, of the same size");

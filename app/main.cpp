@@ -24,6 +24,8 @@ int run_command(const Options& options) {
       return run_compare(options);
     case Command::experiments:
       return run_experiments(options);
+    case Command::stress:
+      return run_stress(options);
     case Command::info:
       return run_info(options);
     case Command::error:

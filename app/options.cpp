@@ -19,16 +19,19 @@ constexpr uint32_t of_pictures = of_shown | bit(Command::compare);
 constexpr uint32_t of_outputs = bit(Command::render) | bit(Command::compare);
 constexpr uint32_t of_results = bit(Command::render) | bit(Command::info) | bit(Command::error) |
                                 bit(Command::techniques) | bit(Command::scenes);
-constexpr uint32_t of_all = of_scenes | of_results | bit(Command::experiments);
+constexpr uint32_t of_all = of_scenes | of_results | bit(Command::experiments) | bit(Command::stress);
 constexpr uint32_t of_experiments = bit(Command::experiments);
+constexpr uint32_t of_stress = bit(Command::stress);
 constexpr uint32_t of_races = bit(Command::compare);
 
-constexpr std::array<CommandInfo, 8> commands{{
+constexpr std::array<CommandInfo, 9> commands{{
     {Command::view, "view", "[SCENE]", "open the window on a scene"},
     {Command::render, "render", "[SCENE] -o OUT", "make one picture, without a window"},
     {Command::compare, "compare", "[SCENE] -o DIR", "race techniques: error against time, as a report"},
     {Command::experiments, "experiments", "[NAME] -o DIR",
      "make the papers' figures; without a name, list them"},
+    {Command::stress, "stress", "[NAME] -o DIR",
+     "try the extreme cases on every technique; alone, list them"},
     {Command::info, "info", "[SCENE]", "show what is in a scene, and which stages rendering it takes"},
     {Command::error, "error", "IMAGE REFERENCE", "measure how far a picture is from its reference"},
     {Command::techniques, "techniques", "", "list the sampling techniques"},
@@ -166,8 +169,9 @@ const OptionInfo table[] = {
      of_scenes, set_switch<&Options::strict>},
 
     {"output", "o", "OUT", "", picture_group, "",
-     "the picture: .exr and .hdr hold radiance, .png what a screen shows; compare, experiments: a folder",
-     of_outputs | of_experiments, set_text<&Options::output>, false, true},
+     "the picture: .exr and .hdr hold radiance, .png what a screen shows; compare, experiments, stress: a "
+     "folder",
+     of_outputs | of_experiments | of_stress, set_text<&Options::output>, false, true},
     {"size", "", "WxH", "640x480; view: the window's", picture_group, "Size", "width and height in pixels",
      of_scenes, set_size},
     {"light", "", "KIND", "all", picture_group, "Light",
@@ -223,8 +227,9 @@ const OptionInfo table[] = {
      "any setting of the lights, the cut or a technique; `halflight techniques --settings` lists them",
      of_scenes, set_setting, true, false, setting_keys},
 
-    {"techniques", "", "A,B,C", "all", race_group, "", "who races; `halflight techniques` lists them",
-     of_races, set_techniques, false, false, technique_ids_or_all},
+    {"techniques", "", "A,B,C", "all", race_group, "",
+     "who races, or is tried; `halflight techniques` lists them", of_races | of_stress, set_techniques, false,
+     false, technique_ids_or_all},
     {"equal", "", "WHAT", "time", race_group, "", "what each of them gets as much of: {choices}", of_races,
      [](Options& o, const std::string& v) { o.equal = static_cast<Equal>(parse_choice(v, strings(equals))); },
      false, false, choices_of<equals>},
@@ -232,15 +237,21 @@ const OptionInfo table[] = {
      "where errors are taken: seconds, samples a pixel or rays a pixel, as --equal says",
      of_races | of_experiments, set_budgets},
     {"seeds", "", "N", "5", race_group, "",
-     "runs of each technique, from --seed on; fewer than 5 give no intervals", of_races | of_experiments,
-     [](Options& o, const std::string& v) { o.seeds = static_cast<uint32_t>(parse_integer(v, 1, 10000)); }},
+     "runs of each technique, from --seed on; fewer than 5 give no intervals; stress: at most, where a case "
+     "has its own "
+     "number",
+     of_races | of_experiments | of_stress,
+     [](Options& o, const std::string& v) {
+       o.seeds = static_cast<uint32_t>(parse_integer(v, 1, 10000));
+       o.seeds_given = true;
+     }},
     {"reference", "", "FILE", "", race_group, "",
      "measure against this picture; else discrete: brute force, kept in a cache, continuous: a long run",
      of_races, set_text<&Options::reference>, false, true},
 
     {"quick", "", "", "", race_group, "",
-     "small pictures and few samples: to see that all is in place, not to measure", of_experiments,
-     set_switch<&Options::quick>},
+     "small pictures and few samples: to see that all is in place, not to measure",
+     of_experiments | of_stress, set_switch<&Options::quick>},
 
     {"json", "", "FILE|-", "", output_group, "", "write the results as JSON, - to standard output",
      of_results, set_text<&Options::json>, false, true},
@@ -259,7 +270,7 @@ const OptionInfo table[] = {
      set_switch<&Options::quiet>},
 
     {"threads", "", "N", "all cores", machine_group, "Threads",
-     "threads to use; the picture does not depend on it", of_files | of_experiments,
+     "threads to use; the picture does not depend on it", of_files | of_experiments | of_stress,
      [](Options& o, const std::string& v) { o.threads = static_cast<int>(parse_integer(v, 1, 1024)); }},
     {"backend", "", "NAME", "auto", machine_group, "Back end",
      "where pixels' surfaces come from: OpenGL by window, egl or osmesa; none: rays; auto: OpenGL on a "

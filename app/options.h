@@ -18,7 +18,7 @@
 namespace halflight {
 
 /// What the program can be asked to do. An option's row says which commands take it.
-enum class Command : uint32_t { view, render, compare, experiments, info, error, techniques, scenes };
+enum class Command : uint32_t { view, render, compare, experiments, stress, info, error, techniques, scenes };
 
 /// A command's name on the command line, its operands and one line of help.
 struct CommandInfo {
@@ -38,6 +38,7 @@ struct Options {
   std::string scene = "bedroom";  ///< a file or a built-in name
   bool scene_given = false;       ///< else a view may name another one
   std::string experiment;         ///< a name or `all`; empty lists them
+  std::string stress_case;        ///< a name, an id or `all`
   std::string image, reference;   ///< of `error`; compare: a reference from elsewhere
 
   // Scene.
@@ -61,8 +62,9 @@ struct Options {
   std::vector<double> budgets{0.5, 1, 2, 4, 8};  ///< seconds, samples a pixel or rays a pixel
   Equal equal = Equal::time;
   uint32_t seeds = 5;
+  bool seeds_given = false;    ///< else a stress case has its own
   bool budgets_given = false;  ///< else an experiment has its own
-  bool quick = false;          ///< experiments: small pictures and few samples
+  bool quick = false;          ///< experiments, stress: small pictures and few samples
 
   // Display: PNG and window only.
   std::optional<float> ev;

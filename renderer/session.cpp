@@ -37,12 +37,13 @@ bool group_changed(const SettingValues& a, const SettingValues& b, std::span<con
                      [&](const SettingInfo& info) { return a.get(info.key) != b.get(info.key); });
 }
 
-/// Position inside the pixel of round `pass`, relative to its centre (Roberts 2018, the R2 sequence).
-Vec2 pixel_jitter(uint32_t pass) {
+/// Position inside the pixel of round `pass`, relative to its centre (Roberts 2018, the R2 sequence), moved by a shift
+/// that the seed gives: each position is uniform over seeds.
+Vec2 pixel_jitter(uint32_t pass, uint64_t seed) {
+  const Vec2 shift = RandomStream(0, 0, hash_combine(seed, 0x6a6974746572ull)).next2();
   const double n = pass + 1.0;
-  const auto fraction = [](double x) { return x - std::floor(x); };
-  return {static_cast<float>(fraction(n * 0.7548776662466927) - 0.5),
-          static_cast<float>(fraction(n * 0.5698402909980532) - 0.5)};
+  const auto place = [](double x) { return static_cast<float>(x - std::floor(x) - 0.5); };
+  return {place(n * 0.7548776662466927 + shift.x), place(n * 0.5698402909980532 + shift.y)};
 }
 
 }  // namespace
@@ -218,7 +219,7 @@ void Session::Impl::prepare_gbuffer() {
   if (!plan.gbuffer || (!stale.gbuffer && !(plan.antialiased && !frame_is_drawn))) return;
   Stopwatch watch;
   gbuffer.resize(settings.width, settings.height);
-  const Vec2 jitter = plan.antialiased ? pixel_jitter(round) : Vec2(0);
+  const Vec2 jitter = plan.antialiased ? pixel_jitter(round, settings.seed) : Vec2(0);
   const uint32_t alpha_seed = plan.antialiased ? round + 1 : 0;
   if (gl)
     rasterizer->draw_gbuffer(camera, jitter, alpha_seed, gbuffer);

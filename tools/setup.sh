@@ -9,7 +9,7 @@ build_packages=(
   fonts-dejavu-core libopenexr-dev libstb-dev libglm-dev libfmt-dev libcli11-dev
   gnuplot-nox
 )
-test_packages=(libtinygltf-dev libgtest-dev xvfb xauth xdotool imagemagick)
+test_packages=(libtinygltf-dev libgtest-dev python3 xvfb xauth xdotool imagemagick)
 
 say() { printf '%s\n' "$*" >&2; }
 

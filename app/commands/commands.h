@@ -11,6 +11,7 @@ int run_render(const Options&);
 int run_compare(const Options&);
 int run_info(const Options&);
 int run_experiments(const Options&);
+int run_stress(const Options&);
 int run_error(const Options&);
 int run_techniques(const Options&);
 int run_scenes(const Options&);

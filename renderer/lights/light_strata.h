@@ -45,6 +45,10 @@ class LightStrata {
   float environment_measure(uint32_t stratum) const {
     return environment_.solid_angle(stratum - environment_begin_);
   }
+  /// Mean radiance of an environment's stratum.
+  Vec3 environment_mean(uint32_t stratum) const {
+    return environment_.mean_radiance(stratum - environment_begin_) * scene_->environment.strength;
+  }
   float emitter_measure(uint32_t triangle) const { return emitters_.measure(triangle); }
   float surface_measure(uint32_t triangle) const { return surfaces_.measure(triangle); }
 

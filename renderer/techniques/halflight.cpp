@@ -27,6 +27,8 @@ constexpr std::array settings{
     SettingInfo{"halflight.alpha", 0.05, 0, 1, "share of light samples that ignore the BRDF"},
     SettingInfo{"halflight.near", 0.5, 0, 1e6,
                 "clusters that reach further than this share of their distance are split; 0: none"},
+    SettingInfo{"halflight.share", 1, 0, 1,
+                "1: like pixels of a quad of 2×2 draw from one distribution; 0: not"},
     SettingInfo{"halflight.visibility", 1, 0, 1, "1: draws learn which clusters are hidden; 0: not"},
     SettingInfo{"halflight.pilot-rays", 16, 1, 4096, "shadow rays that light a point of the pilot set"},
     SettingInfo{"halflight.light-rays", 0, 0, 4096,
@@ -35,7 +37,7 @@ constexpr std::array settings{
 
 struct Parameters {
   float brdf_share, narrow_share, alpha, near;
-  bool visibility;
+  bool share, visibility;
   uint32_t pilot_rays, light_rays;
 
   explicit Parameters(const SettingValues& values)
@@ -43,6 +45,7 @@ struct Parameters {
         narrow_share(static_cast<float>(values.get("halflight.narrow-share"))),
         alpha(static_cast<float>(values.get("halflight.alpha"))),
         near(static_cast<float>(values.get("halflight.near"))),
+        share(values.get("halflight.share") > 0),
         visibility(values.get("halflight.visibility") > 0),
         pilot_rays(static_cast<uint32_t>(values.get("halflight.pilot-rays"))),
         light_rays(static_cast<uint32_t>(values.get("halflight.light-rays"))) {}
@@ -52,6 +55,7 @@ struct Parameters {
 constexpr float mirror_alpha = 1e-3f;
 // K clusters that share the sphere have a variance of about 1/K radians² each along an axis.
 constexpr float narrow_lobe = 1;
+constexpr float most_share_beside_punctual = 0.75f;
 
 bool is_mirror(const Brdf& brdf) {
   return brdf.model == BrdfModel::ggx && max_component(brdf.diffuse) <= 0 &&
@@ -76,6 +80,20 @@ Split split_of(float share, uint32_t count, RandomStream& random) {
   return {rays, count - rays, static_cast<float>(rays), static_cast<float>(count - rays)};
 }
 
+/// Whether a distribution made for one of two neighbouring points serves the other: on one plane, of like
+/// BRDFs.
+bool alike(const GBufferTexel& a, const GBufferTexel& b) {
+  constexpr float least_cosine = 0.95f, most_off_plane = 0.1f, most_ratio = 1.25f;
+  const Vec3 apart = b.position - a.position;
+  const float off_plane = std::abs(glm::dot(apart, a.geometric_normal));
+  const auto close = [](float x, float y) { return x <= most_ratio * y && y <= most_ratio * x; };
+  const auto close_colours = [&](Vec3 x, Vec3 y) { return close(luminance(x), luminance(y)); };
+  return a.brdf.model == b.brdf.model && glm::dot(a.shading_normal, b.shading_normal) > least_cosine &&
+         off_plane <= most_off_plane * glm::length(apart) && close(a.brdf.roughness.x, b.brdf.roughness.x) &&
+         close(a.brdf.roughness.y, b.brdf.roughness.y) && close_colours(a.brdf.specular, b.brdf.specular) &&
+         close_colours(a.brdf.diffuse, b.brdf.diffuse);
+}
+
 /// One thread's draws.
 class PixelSampler {
  public:
@@ -95,7 +113,10 @@ class PixelSampler {
 
  private:
   void begin_group(const Aabb& points);
+  bool is_narrow(const Brdf&) const;
   bool build(const GBufferTexel&);
+  uint32_t representative(uint32_t pixel) const;
+  bool build_or_share(uint32_t pixel);
   float brdf_share(const GBufferTexel&) const;
   void draw_light(TracedWorker&, int half, const Split&, RandomStream&);
   void connect(TracedWorker&, int half, const Split&);
@@ -111,6 +132,8 @@ class PixelSampler {
   uint32_t tile_ = LearnedLights::none;
   std::span<VisibilityCount> counts_;
   CutDistribution distribution_;
+  uint32_t built_for_ = LearnedLights::none;  ///< the pixel that `distribution_` was made for
+  bool built_ = false;
   std::vector<LightSample> draws_;
   ConnectionBatch batch_;
 };
@@ -130,12 +153,35 @@ bool PixelSampler::build(const GBufferTexel& texel) {
   return distribution_.build(cut, guard_, parameters_.alpha);
 }
 
+/// The pixel whose distribution serves this one: the first of its quad of 2×2 that sees the same plane alike. It does
+/// not hang on which pixels a pass visits.
+uint32_t PixelSampler::representative(uint32_t pixel) const {
+  const std::vector<GBufferTexel>& texels = frame_.gbuffer->texels;
+  if (!parameters_.share || is_narrow(texels[pixel].brdf)) return pixel;
+  const auto width = static_cast<uint32_t>(frame_.gbuffer->width);
+  const uint32_t corner = pixel - pixel % width % 2 - pixel / width % 2 * width;
+  for (const uint32_t candidate : {corner, corner + 1, corner + width}) {
+    if (candidate >= pixel) break;
+    if (texels[candidate].hit() && alike(texels[candidate], texels[pixel])) return candidate;
+  }
+  return pixel;
+}
+
+bool PixelSampler::build_or_share(uint32_t pixel) {
+  const uint32_t wanted = representative(pixel);
+  if (wanted == built_for_) return built_;
+  built_for_ = wanted;
+  return built_ = build(frame_.gbuffer->texels[wanted]);
+}
+
+bool PixelSampler::is_narrow(const Brdf& brdf) const {
+  return brdf.has_specular() && lobe_variance(brdf) * static_cast<float>(lights_.cut().size) < narrow_lobe;
+}
+
 float PixelSampler::brdf_share(const GBufferTexel& texel) const {
   const Brdf& brdf = texel.brdf;
   if (is_mirror(brdf)) return 1;
-  if (!brdf.has_specular()) return parameters_.brdf_share;
-  const bool narrow = lobe_variance(brdf) * static_cast<float>(lights_.cut().size) < narrow_lobe;
-  if (!narrow) return parameters_.brdf_share;
+  if (!is_narrow(brdf)) return parameters_.brdf_share;
   const float specular = specular_probability(brdf, texel.basis(), texel.wo);
   return std::max(parameters_.brdf_share, std::min(parameters_.narrow_share, specular));
 }
@@ -150,9 +196,11 @@ void PixelSampler::render(TracedWorker& worker, uint32_t pixel, int half, uint32
     counts_ = visibility_.pending(tile);
     visibility_.factors(tile, factor_);
   }
-  const float share = brdf_share(worker.texel());
+  // Rays never meet punctual light.
+  const float most_share = frame_.kinds.punctual ? most_share_beside_punctual : 1.0f;
+  const float share = std::min(brdf_share(worker.texel()), most_share);
   const bool hits = frame_.kinds.environment || frame_.kinds.emitters || frame_.kinds.surfaces;
-  const bool drawable = share < 1 && build(worker.texel());
+  const bool drawable = share < 1 && build_or_share(pixel);
   worker.distribution_ticks += ticks_now() - start;
   const Split split = split_of(!drawable ? 1 : hits ? share : 0, count, random);
   const DrawAllocation expected =
@@ -232,15 +280,16 @@ void Halflight::prepare_round(const FrameView& frame, const PassRequest& request
     lights_ = std::make_unique<LearnedLights>(frame, parameters.pilot_rays, counters);
     has_set_ = false;
   }
+  const bool begins_again = has_set_ && request.pass == round_ && request.offset == 0;
   const int width = frame.gbuffer->width, height = frame.gbuffer->height;
   const size_t clusters = lights_->cut().padded_size();
   if (!visibility_.fits(width, height, clusters))
     visibility_ = LearnedVisibility(width, height, clusters);
-  else if (fresh || request.pass < round_)
+  else if (fresh || request.pass < round_ || begins_again)
     visibility_.forget();  // rounds repeat their numbers: what they taught before belongs to these very sets
   else if (request.pass > round_)
     visibility_.publish();
-  if (has_set_ && request.pass == round_) return;
+  if (has_set_ && request.pass == round_ && !begins_again) return;
   round_ = request.pass;
   has_set_ = true;
   uint32_t rays = parameters.light_rays;

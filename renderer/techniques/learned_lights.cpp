@@ -1,6 +1,8 @@
 #include "techniques/learned_lights.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "core/random.h"
 #include "techniques/light_stage.h"
@@ -10,25 +12,28 @@ namespace halflight {
 
 namespace {
 
-// Powers are those of single points: each takes a share from its neighbours on the tree, for light may end
-// inside its own stratum, and a small one from the mean of its kind.
+// Powers of surfaces and emitters are those of single points, which may miss what their stratum holds: each
+// takes a small share from the mean of its kind, and those of surfaces one from their neighbours on the tree.
 constexpr double own_share = 0.7, kind_share = 0.01;
 constexpr size_t neighbours = 4;  ///< on either side
 
-/// Radiances of the pilot, grey, smoothed along the leaves of surfaces; in the original order.
+/// Radiances of the pilot, grey, none black beside a lit one of its kind, and smoothed along the leaves of
+/// surfaces; in the original order.
 std::vector<Vec3> smoothed_radiances(const LightTree& tree) {
   const size_t count = tree.lights.size();
   std::vector<double> grey(count);
-  double sum = 0, measure = 0;
+  std::array<double, light_kind_count> sum{}, measure{};
+  const auto kind_of = [&](size_t i) { return static_cast<size_t>(tree.lights[i].kind); };
   const auto is_surface = [&](size_t i) { return tree.lights[i].kind == LightKind::surface; };
   for (size_t i = 0; i < count; ++i) {
     grey[i] = tree.lights[i].measure > 0 ? leaf_power(tree.lights[i]) / tree.lights[i].measure : 0;
-    if (is_surface(i)) sum += grey[i] * tree.lights[i].measure, measure += tree.lights[i].measure;
+    sum[kind_of(i)] += grey[i] * tree.lights[i].measure, measure[kind_of(i)] += tree.lights[i].measure;
   }
-  const double mean = measure > 0 ? sum / measure : 0;
   std::vector<Vec3> result(count);
   for (size_t i = 0; i < count; ++i) {
     double value = grey[i];
+    const double mean = measure[kind_of(i)] > 0 ? sum[kind_of(i)] / measure[kind_of(i)] : 0;
+    if (tree.lights[i].kind == LightKind::emitter) value = (1 - kind_share) * grey[i] + kind_share * mean;
     if (is_surface(i)) {
       double around = 0, found = 0;
       for (size_t j = i > neighbours ? i - neighbours : 0; j < std::min(count, i + neighbours + 1); ++j)
@@ -48,7 +53,10 @@ LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, RayCou
               {frame.kinds.environment, frame.kinds.emitters, frame.kinds.surfaces, frame.kinds.punctual},
               static_cast<uint32_t>(frame.settings->get("lights.count"))) {
   constexpr uint64_t pilot = 0x70696c6f74ull;
-  tree_ = build_light_tree(draw(frame, hash_combine(frame.seed, pilot), pilot_rays, counters));
+  std::vector<VirtualLight> points = draw(frame, hash_combine(frame.seed, pilot), pilot_rays, counters);
+  for (uint32_t i = 0; i < points.size(); ++i)
+    if (points[i].kind == LightKind::environment) points[i].radiance = strata_.environment_mean(i);
+  tree_ = build_light_tree(std::move(points));
   relight(tree_, smoothed_radiances(tree_));
   cut_ = illumination_cut(tree_, cut_settings(*frame.settings));
   leaf_of_.resize(strata_.size());

@@ -62,7 +62,7 @@ void LearnedVisibility::factors(uint32_t tile, std::span<float> out) const {
   drawn.assign(clusters_, 0.0f), arrived.assign(clusters_, 0.0f);
   for (uint32_t y = row > 0 ? row - 1 : 0; y <= std::min(row + 1, rows_ - 1); ++y)
     for (uint32_t x = column > 0 ? column - 1 : 0; x <= std::min(column + 1, columns_ - 1); ++x) {
-      const VisibilityCount* counts = &known_[(y * columns_ + x) * clusters_];
+      const VisibilityCount* counts = known_.data() + (y * columns_ + x) * clusters_;
       for (size_t k = 0; k < clusters_; ++k)
         drawn[k] += static_cast<float>(counts[k].drawn), arrived[k] += static_cast<float>(counts[k].arrived);
     }

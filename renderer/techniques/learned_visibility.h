@@ -30,7 +30,9 @@ class LearnedVisibility {
     return y / side * columns_ + x / side;
   }
   /// What this round finds; one thread writes to a tile.
-  std::span<VisibilityCount> pending(uint32_t tile) { return {&pending_[tile * clusters_], clusters_}; }
+  std::span<VisibilityCount> pending(uint32_t tile) {
+    return {pending_.data() + tile * clusters_, clusters_};
+  }
   /// Between rounds: what was pending is known from now on.
   void publish();
   void forget();

@@ -34,6 +34,11 @@ bool valid(const ShadowRay& ray) {
   return bool(place & way & (ray.near_distance >= 0) & (ray.far_distance >= ray.near_distance));
 }
 
+/// Embree 3's ray streams sort rays by the signs of their directions, but put +1e-18 in the place of components
+/// smaller than that: of a small negative one the two disagree, and the ray, with others of its packet, passes
+/// through everything. So far below the last place of a unit vector a component is nothing.
+float without_traces(float component) { return std::abs(component) < 1e-17f ? 0.0f : component; }
+
 /// What the alpha filter needs about the geometry it is called for.
 struct AlphaGeometry {
   const Scene* scene;
@@ -189,6 +194,9 @@ void RayScene::occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCount
   for (ShadowRay& ray : rays) {
     const bool good = valid(ray);
     rejected += !good;
+    ray.direction_x = without_traces(ray.direction_x);
+    ray.direction_y = without_traces(ray.direction_y);
+    ray.direction_z = without_traces(ray.direction_z);
     if (!good) {
       // A ray Embree takes and ends at once; blocked already.
       ray.origin_x = ray.origin_y = ray.origin_z = ray.near_distance = 0;

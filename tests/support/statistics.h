@@ -17,6 +17,13 @@ inline double chi_square_tail(double value, double freedom) {
   return normal_tail((std::cbrt(value / freedom) - (1 - spread)) / std::sqrt(spread));
 }
 
+/// The normal deviate with the same tails as Student's t of `freedom` degrees (Wallace 1959).
+inline double normal_of_student(double t, double freedom) {
+  const double size =
+      (8 * freedom + 1) / (8 * freedom + 3) * std::sqrt(freedom * std::log1p(t * t / freedom));
+  return std::copysign(size, t);
+}
+
 /// p-value of observed counts against expected ones; cells expecting fewer than 5 are pooled.
 inline double chi_square_p(const std::vector<double>& observed, const std::vector<double>& expected) {
   double statistic = 0, pooled_observed = 0, pooled_expected = 0;

@@ -66,5 +66,47 @@ TEST(BrdfBatch, AgreesWithOneDirectionAtATime) {
   }
 }
 
+TEST(BrdfBatch, DensitiesAreThoseOfOneDirectionAtATime) {
+  const Vec3 kd(0.5f, 0.3f, 0.1f), ks(0.2f, 0.4f, 0.6f);
+  std::vector<Brdf> brdfs{{BrdfModel::ggx, kd, Vec3(0), 0, Vec2(1)},
+                          {BrdfModel::phong, kd, Vec3(0), 1, Vec2(10)},
+                          {BrdfModel::ashikhmin_shirley, kd, Vec3(0), 1, Vec2(9)},
+                          {}};
+  for (const Vec3 diffuse : {kd, Vec3(0)}) {
+    for (const float alpha : {0.0f, 1e-4f, 1e-3f, 0.01f, 0.1f, 0.5f, 1.0f}) {
+      brdfs.push_back({BrdfModel::ggx, diffuse, ks, 1, Vec2(alpha)});
+      brdfs.push_back({BrdfModel::ggx, diffuse, ks, 1, Vec2(alpha, 0.3f)});
+      brdfs.push_back({BrdfModel::ggx, diffuse, ks, 1, Vec2(0.05f, alpha)});
+    }
+    for (const float n : {0.0f, 1.0f, 10.0f, 100.0f, 1e4f, 1e6f})
+      brdfs.push_back({BrdfModel::phong, diffuse, ks, 1, Vec2(n)});
+    for (const Vec2 n : {Vec2(0), Vec2(1, 10), Vec2(100), Vec2(10, 1e5f), Vec2(1e6f)})
+      brdfs.push_back({BrdfModel::ashikhmin_shirley, diffuse, ks, 1, n});
+  }
+  const Basis basis{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const Vec3 wo : {glm::normalize(Vec3(0.3f, -0.2f, 1)), glm::normalize(Vec3(2, 1, 0.1f)),
+                        glm::normalize(Vec3(1, 0, 2e-3f)), Vec3(0, 0, 1)})
+    for (const Brdf& brdf : brdfs) {
+      // Half of them where the lobe is: drawn from it.
+      std::vector<Vec3> all = directions(wo, 1);
+      RandomStream random(4, 5, 6);
+      for (size_t i = 0; i < all.size(); i += 2)
+        if (const auto drawn = sample(brdf, basis, wo, random.next(), random.next2())) all[i] = drawn->wi;
+      std::vector<float> x, y, z, density(all.size()), ignored(all.size());
+      for (const Vec3 w : all) x.push_back(w.x), y.push_back(w.y), z.push_back(w.z);
+      evaluate_batch(brdf, wo,
+                     {x.data(), y.data(), z.data(), ignored.data(), ignored.data(), ignored.data(),
+                      all.size(), density.data()});
+      double most = 0;
+      for (const Vec3 w : all)
+        most = std::max(most, static_cast<double>(evaluate_with_pdf(brdf, basis, wo, w).pdf));
+      for (size_t i = 0; i < all.size(); ++i) {
+        const double pdf = evaluate_with_pdf(brdf, basis, wo, all[i]).pdf;
+        ASSERT_NEAR(density[i], pdf, 3e-4 * pdf + 1e-12 * most)
+            << static_cast<int>(brdf.model) << " " << brdf.roughness.x << " " << brdf.roughness.y;
+      }
+    }
+}
+
 }  // namespace
 }  // namespace halflight

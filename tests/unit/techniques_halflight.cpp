@@ -1,0 +1,490 @@
+// `halflight`: drawing and weighing use one density, what it has learned is forgotten when it must be, and no
+// setting moves the mean.
+#include <gtest/gtest.h>
+
+#include "core/parallel.h"
+#include "lights/cut_importance.h"
+#include "session.h"
+#include "support/traced_rooms.h"
+#include "techniques/connection_batch.h"
+#include "techniques/traced_loop.h"
+
+namespace halflight {
+namespace {
+
+RenderSettings halflight_settings(int width, int height,
+                                  const std::vector<std::pair<const char*, const char*>>& set = {}) {
+  RenderSettings settings;
+  settings.technique = "halflight", settings.target = Target::continuous, settings.backend = Backend::none;
+  settings.width = width, settings.height = height;
+  settings.values.set("lights.count", "2000");
+  for (const auto& [key, value] : set) settings.values.set(key, value);
+  return settings;
+}
+
+// ---- One density for drawing and for weighing ----
+
+/// Environment with detail, an emitter of many triangles, and one bounce, seen by every model.
+Scene lit_corner() {
+  Scene scene = full_room();
+  ImageRgb map(24, 12);
+  RandomStream random(3, 1, 4);
+  for (Vec3& texel : map.pixels) texel = Vec3(random.next() < 0.1f ? 20.0f : 0.2f);
+  scene.environment = make_environment(map, "noise", EnvironmentLayout::latlong);
+  scene.environment.rotation = 0.4f;
+  for (int i = 0; i < 20; ++i)  // a string of small lamps: runs of emitters
+    add_patch(scene, {0.2f + 0.03f * i, 0.9f, 0.2f}, {0, 0, 0.01f}, {0.01f, 0.002f * i, 0}, 2);
+  scene.cameras = {look_at({0.9f, 0.6f, 1.8f}, {0.4f, 0.3f, 0.3f}, {0, 1, 0}, 0.7f)};
+  return scene;
+}
+
+struct DensityScene {
+  const char* name;
+  Scene (*make)();
+  std::vector<LightKind> kinds;  ///< that must be found by rays
+};
+
+void PrintTo(const DensityScene& scene, std::ostream* out) { *out << scene.name; }
+
+class OneDensity : public testing::TestWithParam<DensityScene> {};
+
+/// As the technique makes it for a pixel; the factors of visibility are known to both sides alike.
+bool build_distribution(const TileCut& cut, const GBufferTexel& texel, CutDistribution& distribution) {
+  std::vector<float> guard(cut.cut().padded_size()), arriving(guard.size());
+  const std::span<float> importance = distribution.importance(cut.cut());
+  analytic_importance(cut.cut(), texel, 0, {importance, guard, arriving});
+  return distribution.build(cut.cut(), guard, 0.05f);
+}
+
+/// What a BRDF ray towards `light` finds there: the density of light samples per solid angle, or nothing
+/// where another surface is in the way.
+std::optional<float> density_met(const FrameView& frame, const StrataDensity& strata,
+                                 const GBufferTexel& texel, const VirtualLight& light, Vec3 wi,
+                                 float distance) {
+  const ShadowRay probe = shadow_ray(*frame.scene, texel.position, texel.geometric_normal, wi, infinity);
+  RayHit hit;
+  RayCounters counters;
+  const bool met = frame.rays->intersect({probe.origin_x, probe.origin_y, probe.origin_z}, wi, 0, infinity, 0,
+                                         hit, counters);
+  if (light.at_infinity())
+    return met ? std::nullopt : std::optional(strata.of(strata.lights->met_environment(wi)));
+  if (!met || std::abs(hit.distance - distance) > 1e-4f * distance) return std::nullopt;
+  const auto place = bounce_place(*frame.scene, hit.point, wi);
+  // Through a surface that lies in another it may be the other that is met.
+  if (!place || glm::dot(place->normal, light.normal) < 0.9999f) return std::nullopt;
+  const auto on_it = light.kind == LightKind::emitter ? strata.lights->met_emitter(hit.point, place->front)
+                                                      : strata.lights->met_surface(hit.point, place->front);
+  return area_to_solid_angle(strata.of(on_it), distance, place->cos_light);
+}
+
+struct Tally {
+  size_t compared = 0, astray = 0;
+  std::array<size_t, light_kind_count> of_kind{};
+};
+
+/// Each stratum at one pixel: both ways of drawing its point have weights that add to one.
+void check_pixel(const FrameView& frame, const LearnedLights& lights, TileCut& tile_cut,
+                 const GBufferTexel& texel, Tally& tally) {
+  constexpr float samples = 7, rays = 2;
+  Aabb box;
+  box.extend(texel.position);
+  tile_cut.refine(box, 0.5f);
+  CutDistribution distribution;
+  if (!build_distribution(tile_cut, texel, distribution)) return;
+  const StrataDensity strata{&lights, &tile_cut, &distribution};
+  const Cut& cut = tile_cut.cut();
+  double sum = 0;
+  for (uint32_t leaf = 0; leaf < lights.tree().lights.size(); ++leaf) {
+    const uint32_t k = tile_cut.cluster_of(leaf);
+    const double p = k == TileCut::none ? 0 : distribution.probability(cut, k, leaf);
+    ASSERT_EQ(p > 0, leaf_power(lights.tree().lights[leaf]) > 0);
+    if (p == 0) continue;
+    const float weight = distribution.weight(cut, k, leaf);
+    ASSERT_NEAR(p * weight, 1, 1e-6);
+    sum += p;
+    if (!lights.met_by_rays(leaf)) continue;
+
+    VirtualLight light = lights.light(leaf);
+    const LightConnection link = connect(light, *frame.scene, texel.position, GeometryTerm::exact);
+    const float cosine = glm::dot(texel.shading_normal, link.wi);
+    if (!(cosine > 1e-3f) || !(glm::dot(texel.geometric_normal, link.wi) > 1e-3f)) continue;
+    const float faces = -glm::dot(light.normal, link.wi);
+    if (!light.at_infinity() && faces < 1e-3f) continue;
+    const auto met = density_met(frame, strata, texel, light, link.wi, link.distance);
+    if (!met) continue;
+
+    // The sample of light, whose radiance does not matter here.
+    light.radiance = Vec3(1);
+    ConnectionBatch batch;
+    batch.add(light, *frame.scene, texel.position, weight, leaf, rays);
+    batch.connect_beside_rays(texel, texel.basis(), GeometryTerm::exact, samples);
+    const BrdfValue brdf = evaluate_with_pdf(texel.brdf, texel.basis(), texel.wo, link.wi);
+    if (!(brdf.f.y > 1e-12f) || !(brdf.pdf > 0)) continue;
+    const double omega = light.at_infinity() ? light.measure : light.measure * faces / square(link.distance);
+    const double by_light = static_cast<double>(batch.green[0]) / (static_cast<double>(brdf.f.y) * cosine) *
+                            samples / (static_cast<double>(weight) * omega);
+    const double by_ray =
+        static_cast<double>(rays) * static_cast<double>(balance_over_n(rays, brdf.pdf, samples, *met));
+    ++tally.compared, ++tally.of_kind[static_cast<size_t>(light.kind)];
+    // A point within rounding of its stratum's edge may be met in the next one.
+    if (std::abs(by_light + by_ray - 1) > 2e-3) ++tally.astray;
+  }
+  ASSERT_NEAR(sum, 1, 1e-9);
+}
+
+TEST_P(OneDensity, BothWaysToAPointShareItInFull) {
+  const DensityScene& c = GetParam();
+  Messages messages;
+  Session session(c.make ? c.make() : load_scene(c.name, {}, messages), halflight_settings(32, 24), messages);
+  const FrameView frame = session.frame();
+  RayCounters counters;
+  LearnedLights lights(frame, 4, counters);
+  Tally tally;
+  for (const uint64_t round : {0u, 5u}) {
+    lights.draw_set(frame, round, 1, counters);
+    TileCut tile_cut(lights.tree(), lights.cut());
+    for (uint32_t pixel = 100; pixel < frame.gbuffer->texels.size(); pixel += 131) {
+      const GBufferTexel& texel = frame.gbuffer->texels[pixel];
+      if (texel.hit() && !texel.brdf.black()) check_pixel(frame, lights, tile_cut, texel, tally);
+    }
+  }
+  EXPECT_LE(static_cast<double>(tally.astray), 1e-3 * static_cast<double>(tally.compared));
+  for (const LightKind kind : c.kinds)
+    EXPECT_GE(tally.of_kind[static_cast<size_t>(kind)], 20u) << static_cast<int>(kind);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, OneDensity,
+    testing::Values(DensityScene{"cornell", nullptr, {LightKind::emitter, LightKind::surface}},
+                    DensityScene{"spheres", nullptr, {LightKind::environment, LightKind::surface}},
+                    DensityScene{"bedroom", nullptr, {LightKind::surface}},
+                    DensityScene{"lit_corner",
+                                 lit_corner,
+                                 {LightKind::environment, LightKind::emitter, LightKind::surface}}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+// A sample of light that rays cannot meet stands for itself.
+TEST(ConnectionBesideRays, WithoutRaysItIsTheSampleAlone) {
+  const Scene scene = lit_corner();
+  const GBufferTexel texel = corner_pixels()[2];
+  for (const VirtualLight& light :
+       {VirtualLight{{0, 0.4f, 0.3f}, 0.02f, {1, 0, 0}, LightKind::surface, Vec3(3, 2, 1), 0},
+        VirtualLight{
+            glm::normalize(Vec3(0.3f, 1, 0.2f)), 0.1f, {0, -1, 0}, LightKind::environment, Vec3(2), 0},
+        VirtualLight{scene.lights[0].position, 1, {0, -1, 0}, LightKind::punctual, Vec3(0.05f), 0}}) {
+    const LightConnection link = connect(light, scene, texel.position, GeometryTerm::exact);
+    const BrdfValue brdf = evaluate_with_pdf(texel.brdf, texel.basis(), texel.wo, link.wi);
+    const float cosine = glm::dot(texel.shading_normal, link.wi);
+    constexpr float weight = 30, samples = 5;
+    for (const float rays : {0.0f, 3.0f}) {
+      ConnectionBatch batch;
+      batch.add(light, scene, texel.position, weight, 0, rays);
+      batch.connect_beside_rays(texel, texel.basis(), GeometryTerm::exact, samples);
+      // Punctual light has no density that rays share; the rest has 1/(weight Ω).
+      double omega = light.kind == LightKind::punctual      ? 1
+                     : light.kind == LightKind::environment ? light.measure
+                                                            : link.irradiance.x / light.radiance.x;
+      const double radiance = link.irradiance.x / omega, pdf = 1 / (weight * omega);
+      const double expected = brdf.f.x * cosine * radiance / (samples * pdf + rays * brdf.pdf);
+      EXPECT_NEAR(batch.red[0], expected, 1e-4 * expected) << static_cast<int>(light.kind) << " " << rays;
+    }
+  }
+}
+
+// ---- Pictures ----
+
+std::vector<Vec3> rounds(Session& session, int count, uint32_t samples = 3) {
+  for (int i = 0; i < count; ++i) session.run_pass(samples, 1, 0);
+  EXPECT_EQ(session.film().nan_samples(), 0u);
+  return session.film().image().pixels;
+}
+
+/// Without writing thousands of pixels where they differ.
+bool same(const std::vector<Vec3>& a, const std::vector<Vec3>& b) { return a == b; }
+
+std::vector<Vec3> picture_of_new_session(int count, uint32_t samples = 3) {
+  Messages messages;
+  Session session(lit_corner(), halflight_settings(48, 33), messages);
+  return rounds(session, count, samples);
+}
+
+TEST(Halflight, SameBitsForAnyNumberOfThreads) {
+  set_thread_count(1);
+  const std::vector<Vec3> one = picture_of_new_session(4);
+  set_thread_count(2);
+  EXPECT_TRUE(same(picture_of_new_session(4), one));
+  set_thread_count(5);
+  EXPECT_TRUE(same(picture_of_new_session(4), one));
+  set_thread_count(0);
+}
+
+TEST(Halflight, SubsetsOfPixelsMakeAWholePass) {
+  const std::vector<Vec3> whole = picture_of_new_session(3);
+  for (const uint32_t stride : {2u, 4u}) {
+    Messages messages;
+    Session session(lit_corner(), halflight_settings(48, 33), messages);
+    for (int round = 0; round < 3; ++round)
+      for (uint32_t offset = 0; offset < stride * stride; ++offset) session.run_pass(3, stride, offset);
+    EXPECT_TRUE(same(session.film().image().pixels, whole)) << stride;
+  }
+}
+
+TEST(Halflight, ARestartForgetsAllThatWasLearned) {
+  const std::vector<Vec3> fresh = picture_of_new_session(3);
+  for (const int before : {1, 2, 5}) {
+    Messages messages;
+    Session session(lit_corner(), halflight_settings(48, 33), messages);
+    rounds(session, before);
+    session.restart();
+    EXPECT_TRUE(same(rounds(session, 3), fresh)) << "after " << before << " rounds";
+    session.start_over();
+    EXPECT_TRUE(same(rounds(session, 3), fresh)) << "started over";
+  }
+}
+
+TEST(Halflight, ARestartWithOtherSamplesDrawsItsOwnSet) {
+  const std::vector<Vec3> fresh = picture_of_new_session(2, 64);
+  Messages messages;
+  Session session(lit_corner(), halflight_settings(48, 33), messages);
+  rounds(session, 1, 1);
+  session.restart();
+  EXPECT_TRUE(same(rounds(session, 2, 64), fresh));
+}
+
+TEST(Halflight, AnotherCameraLearnsItsOwn) {
+  const Scene scene = lit_corner();
+  Scene turned = scene;
+  turned.cameras = {look_at({0.3f, 0.9f, 1.5f}, {0.6f, 0.1f, 0.3f}, {0, 1, 0}, 0.7f)};
+  Messages messages;
+  Session fresh(turned, halflight_settings(48, 33), messages);
+  const std::vector<Vec3> expected = rounds(fresh, 3);
+  for (const int before : {1, 3}) {
+    Session session(scene, halflight_settings(48, 33), messages);
+    rounds(session, before);
+    session.set_camera(turned.cameras[0]);
+    EXPECT_TRUE(same(rounds(session, 3), expected)) << "after " << before << " rounds";
+  }
+}
+
+TEST(Halflight, EditsOfLightAreSeen) {
+  Messages messages;
+  Session session(lit_corner(), halflight_settings(48, 33), messages);
+  rounds(session, 2);
+  LightEdits edits = session.light_edits();
+  edits.environment_rotation += 1, edits.emission[2] *= 3.0f;
+  session.edit_lights(edits);
+  Scene scene = lit_corner();
+  scene.environment.rotation += 1, scene.materials[2].emission *= 3.0f;
+  Session fresh(scene, halflight_settings(48, 33), messages);
+  EXPECT_TRUE(same(rounds(session, 2), rounds(fresh, 2)));
+}
+
+/// The corner's pixels after some passes, all lengths and all light scaled.
+std::vector<Vec3> scaled_corner(float length, float light, int passes = 3) {
+  Scene scene = full_room();
+  for (Vertex& vertex : scene.vertices) vertex.position *= length;
+  for (PunctualLight& lamp : scene.lights)
+    lamp.position *= length, lamp.intensity = lamp.intensity * length * length * light;
+  for (Vec3& texel : scene.environment.map.pixels) texel *= light;
+  for (Material& material : scene.materials) material.emission *= light;
+  update_bounds(scene);
+  std::vector<GBufferTexel> pixels = corner_pixels();
+  for (GBufferTexel& texel : pixels) texel.position *= length;
+  TracedScene s(std::move(scene), std::move(pixels), all_kinds);
+  const auto technique = make_technique(s, "halflight", {"lights.count=200"});
+  std::vector<Vec3> picture;
+  for (int pass = 0; pass < passes; ++pass)
+    picture = one_pass(s, *technique, static_cast<uint32_t>(pass), 16);
+  return picture;
+}
+
+TEST(Halflight, ScalesWithLengthAndLight) {
+  const std::vector<Vec3> as_it_is = scaled_corner(1, 1);
+  for (const auto& [length, light] :
+       {std::pair{-20, 0}, {20, 0}, {0, -20}, {0, 20}, {20, -20}, {0, -90}, {0, 90}}) {
+    const std::vector<Vec3> scaled = scaled_corner(std::ldexp(1.0f, length), std::ldexp(1.0f, light));
+    for (size_t i = 0; i < scaled.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(std::ldexp(scaled[i][c], -light), as_it_is[i][c], 1e-4 * as_it_is[i][c])
+            << length << " " << light << " " << i;
+  }
+}
+
+TEST(Halflight, NoLightIsBlack) {
+  for (const LightKinds kinds : {LightKinds{}, all_kinds}) {
+    TracedScene s(floor_scene(2), corner_pixels(), kinds);
+    const auto technique = make_technique(s, "halflight");
+    for (uint32_t pass = 0; pass < 3; ++pass)
+      for (const Vec3 value : one_pass(s, *technique, pass, 8)) EXPECT_EQ(value, Vec3(0));
+  }
+}
+
+TEST(Halflight, StopsWhenAskedAndGoesOnAsIfNothingHappened) {
+  Messages messages;
+  Session session(lit_corner(), halflight_settings(48, 33), messages);
+  rounds(session, 1);
+  std::stop_source source;
+  source.request_stop();
+  session.run_pass(3, 1, 0, source.get_token());
+  session.restart();
+  EXPECT_TRUE(same(rounds(session, 3), picture_of_new_session(3)));
+}
+
+// ---- No setting moves the mean ----
+
+struct SettingsCase {
+  const char* name;
+  std::vector<std::string> set;
+  uint32_t samples = 16, passes = 800;
+  double widest = 0.01;  ///< relative standard error that is worth a verdict
+};
+
+void PrintTo(const SettingsCase& c, std::ostream* out) { *out << c.name; }
+
+class HalflightSettings : public testing::TestWithParam<SettingsCase> {
+ protected:
+  /// The truth: `mis`, which shares neither strata nor cut.
+  static const PassMoments& truth() {
+    static const PassMoments moments = [] {
+      TracedScene s(full_room(), corner_pixels(), all_kinds);
+      const auto mis = make_technique(s, "mis");
+      return pass_moments(s, *mis, 64, 6000);
+    }();
+    return moments;
+  }
+};
+
+TEST_P(HalflightSettings, KeepTheMean) {
+  TracedScene s(full_room(), corner_pixels(), all_kinds);
+  const auto technique = make_technique(s, "halflight", GetParam().set);
+  const PassMoments found = pass_moments(s, *technique, GetParam().samples, GetParam().passes);
+  const double bound = two_sided_bound(sidak_level(0.001, found.mean.size()));
+  for (size_t i = 0; i < found.mean.size(); ++i) {
+    const double error = std::hypot(found.error(i), truth().error(i));
+    EXPECT_NEAR(found.mean[i], truth().mean[i], bound * error + 1e-5 * truth().mean[i]) << i;
+    EXPECT_LT(error, GetParam().widest * truth().mean[i]) << i << ": too noisy to tell";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Extremes, HalflightSettings,
+    testing::Values(SettingsCase{"as_it_is", {"lights.count=100"}},
+                    SettingsCase{"light_samples_alone",
+                                 {"lights.count=100", "halflight.brdf-share=0", "halflight.narrow-share=0"}},
+                    SettingsCase{"brdf_rays_alone",
+                                 {"lights.count=100", "halflight.brdf-share=1", "halflight.narrow-share=1"},
+                                 16,
+                                 800,
+                                 0.02},
+                    SettingsCase{"half_of_each", {"lights.count=100", "halflight.brdf-share=0.5"}, 16, 2000},
+                    SettingsCase{"one_sample", {"lights.count=100"}, 1, 3000, 0.02},
+                    SettingsCase{"two_samples", {"lights.count=100"}, 2, 2000, 0.02},
+                    SettingsCase{"no_visibility", {"lights.count=100", "halflight.visibility=0"}},
+                    SettingsCase{"one_stratum", {"lights.count=1"}, 32, 6000, 0.03},
+                    SettingsCase{"cut_of_one", {"lights.count=100", "cut.least=1", "cut.most=1"}},
+                    SettingsCase{"cut_of_all", {"lights.count=100", "cut.least=100000", "cut.most=100000"}},
+                    SettingsCase{"none_split", {"lights.count=100", "halflight.near=0"}},
+                    SettingsCase{"all_split", {"lights.count=100", "halflight.near=0.001"}},
+                    SettingsCase{"guard_alone", {"lights.count=100", "halflight.alpha=1"}, 16, 800, 0.02},
+                    SettingsCase{"no_guard", {"lights.count=100", "halflight.alpha=0"}},
+                    SettingsCase{
+                        "points_lit_well", {"lights.count=100", "halflight.light-rays=32"}, 16, 300, 0.02}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+// Rays do not find punctual light: a lobe too narrow for light samples of anything else still reflects it.
+TEST(Halflight, MirrorsShowPunctualLight) {
+  Scene scene = floor_scene(2, Vec3(0));
+  const Vec3 mirrored = glm::normalize(Vec3(-0.6f, 0.8f, 0.01f));
+  for (int i = 0; i < 9; ++i) {
+    PunctualLight light;
+    light.position = (1 + 0.1f * static_cast<float>(i)) * mirrored, light.intensity = Vec3(1e-4f);
+    scene.lights.push_back(light);
+  }
+  for (const float alpha : {0.3f, 5e-4f}) {
+    const GBufferTexel texel =
+        seen_point({0, 0, 0}, {0, 1, 0}, {BrdfModel::ggx, Vec3(0), Vec3(1), 1, Vec2(alpha)},
+                   glm::normalize(Vec3(0.6f, 0.8f, -0.01f)));
+    for (const LightKinds kinds :
+         {LightKinds{false, false, false, true}, LightKinds{false, false, true, true}})
+      for (const char* share : {"0.125", "1"}) {
+        TracedScene s(scene, {texel}, kinds);
+        double truth = 0;
+        for (const PunctualLight& light : scene.lights) {
+          const LightConnection link = connect_punctual(light, scene, texel.position);
+          truth += evaluate(texel.brdf, texel.basis(), texel.wo, link.wi).y *
+                   glm::dot(texel.shading_normal, link.wi) * link.irradiance.y;
+        }
+        const auto technique =
+            make_technique(s, "halflight",
+                           {"lights.count=10", std::string("halflight.brdf-share=") + share,
+                            std::string("halflight.narrow-share=") + share});
+        const PassMoments found = pass_moments(s, *technique, 16, 200);
+        EXPECT_GT(truth, 0);
+        EXPECT_NEAR(found.mean[0], truth, 4 * found.error(0) + 1e-3 * truth)
+            << "alpha " << alpha << ", share " << share << ", surfaces " << kinds.surfaces;
+      }
+  }
+}
+
+// Where the pilot's point fell, a stratum may be black: what it holds is found all the same, by light samples
+// too.
+TEST(Halflight, LightThePilotMissedIsFound) {
+  Scene scene = floor_scene(2, Vec3(0));
+  ImageRgb map(64, 32, Vec3(0));
+  RandomStream random(9, 9, 9);
+  for (Vec3& texel : map.pixels) texel = random.next() < 0.3f ? Vec3(2) : Vec3(0);
+  scene.environment = make_environment(map, "stars", EnvironmentLayout::latlong);
+  const GBufferTexel texel =
+      seen_point({0, 0, 0}, {0, 1, 0}, diffuse_brdf(Vec3(0.8f)), glm::normalize(Vec3(0.6f, 0.8f, 0)));
+  double truth = 0;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x)
+      for (int i = 0; i < 16; ++i)
+        for (int j = 0; j < 16; ++j) {
+          const Vec2 uv = (Vec2(x, y) + (Vec2(i, j) + 0.5f) / 16.0f) / Vec2(map.width, map.height);
+          const Vec3 wi = environment_direction(scene.environment, uv);
+          const double omega = 2 * pi * pi / (64.0 * 32 * 256) * std::sin(pi * uv.y);
+          truth += 0.8 / pi * std::max(0.0f, wi.y) * map.at(x, y).y * omega;
+        }
+  for (const char* share : {"0.125", "0"}) {
+    TracedScene s(scene, {texel}, {true, false, false, false});
+    const auto technique =
+        make_technique(s, "halflight", {"lights.count=60", std::string("halflight.brdf-share=") + share});
+    const PassMoments found = pass_moments(s, *technique, 16, 3000);
+    EXPECT_LT(found.error(0), 0.01 * truth);
+    EXPECT_NEAR(found.mean[0], truth, 4 * found.error(0) + 2e-3 * truth) << share;
+  }
+}
+
+// The same of an emitter that shines in spots.
+TEST(Halflight, EmittersThatShineInSpotsAreFoundWhole) {
+  Scene scene = floor_scene(2, Vec3(0));
+  Material spotted = diffuse_material(Vec3(0));
+  spotted.emission = Vec3(4);
+  ImageRgba8 spots{16, 16, std::vector<uint8_t>(4 * 256, 255)};
+  for (size_t i = 0; i < 256; ++i)
+    for (size_t c = 0; c < 3; ++c) spots.bytes[4 * i + c] = (i / 16 + i) % 4 == 0 ? 255 : 0;
+  scene.images.push_back(spots);
+  Texture texture;
+  texture.nearest = true;
+  scene.textures.push_back(texture);
+  spotted.emission_texture.texture = 0;
+  scene.materials.push_back(spotted);
+  add_patch(scene, {-0.5f, 1, -0.5f}, {1, 0, 0}, {0, 0, 1}, 1);
+  const GBufferTexel texel =
+      seen_point({0, 0, 0}, {0, 1, 0}, diffuse_brdf(Vec3(0.8f)), glm::normalize(Vec3(0.6f, 0.8f, 0)));
+  TracedScene truth_scene(scene, {texel}, {false, true, false, false});
+  const auto mis = make_technique(truth_scene, "mis");
+  const PassMoments truth = pass_moments(truth_scene, *mis, 256, 1000);
+  for (const char* share : {"0.125", "0"}) {
+    TracedScene s(scene, {texel}, {false, true, false, false});
+    const auto technique =
+        make_technique(s, "halflight", {"lights.count=100", std::string("halflight.brdf-share=") + share});
+    const PassMoments found = pass_moments(s, *technique, 16, 6000);
+    EXPECT_NEAR(found.mean[0], truth.mean[0], 4 * std::hypot(found.error(0), truth.error(0))) << share;
+    EXPECT_LT(found.error(0), 0.1 * truth.mean[0]) << share;
+  }
+}
+
+}  // namespace
+}  // namespace halflight
