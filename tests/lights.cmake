@@ -14,6 +14,7 @@ halflight_unit_test(techniques_traced_threads halflight_techniques LABELS thread
 halflight_unit_test(techniques_learned_visibility halflight_techniques)
 halflight_unit_test(techniques_instant halflight_techniques)
 halflight_unit_test(techniques_halflight halflight_session LABELS threaded)
+halflight_unit_test(techniques_corner halflight_session)
 halflight_unit_test(techniques_path halflight_session LABELS threaded)
 halflight_unit_test(session_light_set halflight_session)
 halflight_unit_test(session_filtered halflight_session)

@@ -77,7 +77,8 @@ ReferencePicture find_reference(const Arena& arena) {
   if (arena.setup.target == Target::discrete)
     return discrete_reference(arena.session, arena.options.render, arena.messages, show);
   return continuous_reference(
-      arena.session, request_of(arena, reference_technique_of(arena.setup), arena.options.render.seed),
+      arena.session,
+      request_of(arena, find_technique(continuous_reference_technique), arena.options.render.seed),
       reference_effort, show);
 }
 

@@ -18,6 +18,10 @@ using ShareDone = std::function<void(double)>;
 /// written is a warning.
 ReferencePicture discrete_reference(Session&, const RenderSettings&, Messages&, const ShareDone&);
 
+/// What makes the continuous target's reference, racing or not: of those that are unbiased there, the one that
+/// is nearest to it soonest.
+inline constexpr std::string_view continuous_reference_technique = "halflight";
+
 /// A long run of `settings.technique` in the continuous target: `effort` times the largest budget. Its own
 /// variance is told by two halves from independent sets S.
 ReferencePicture continuous_reference(Session&, const RunRequest&, double effort, const ShareDone&);

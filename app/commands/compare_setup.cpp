@@ -98,15 +98,4 @@ RaceSetup set_up_race(const Options& options) {
   return setup;
 }
 
-const TechniqueInfo& reference_technique_of(const RaceSetup& setup) {
-  const TechniqueInfo& preferred = find_technique(RenderSettings{}.technique);
-  const TechniqueInfo* first = nullptr;
-  for (const RaceEntry& entry : setup.entries) {
-    if (!entry.why_preview.empty()) continue;
-    if (entry.info == &preferred) return preferred;
-    if (!first) first = entry.info;
-  }
-  return first ? *first : preferred;
-}
-
 }  // namespace halflight

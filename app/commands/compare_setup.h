@@ -25,8 +25,4 @@ struct RaceSetup {
 /// run in the target, budgets that do not increase or do not suit --equal.
 RaceSetup set_up_race(const Options&);
 
-/// The technique that makes the continuous target's reference: the first of the race that is unbiased there,
-/// the program's default one before others.
-const TechniqueInfo& reference_technique_of(const RaceSetup&);
-
 }  // namespace halflight

@@ -14,5 +14,7 @@ void run_gems_pictures(const ExperimentRun&, ExperimentReport&, Facts& machine);
 void run_gems_error(const ExperimentRun&, ExperimentReport&, Facts& machine);
 void run_gems_time(const ExperimentRun&, ExperimentReport&, Facts& machine);
 void run_pharr_fig2(const ExperimentRun&, ExperimentReport&, Facts& machine);
+void run_ingredients(const ExperimentRun&, ExperimentReport&, Facts& machine);
+void run_continuous(const ExperimentRun&, ExperimentReport&, Facts& machine);
 
 }  // namespace halflight

@@ -25,6 +25,10 @@ std::span<const Experiment> experiments() {
                  run_gems_time},
       Experiment{"pharr-fig2", "Pharr, instant global illumination, figure 2",
                  "1, 16 and 256 sets of light paths", run_pharr_fig2},
+      Experiment{"continuous", "our own",
+                 "halflight against the others in the continuous target, scene by scene", run_continuous},
+      Experiment{"ingredients", "our own", "what each ingredient of halflight buys on each scene",
+                 run_ingredients},
   };
   return registry;
 }

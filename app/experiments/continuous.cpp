@@ -1,0 +1,121 @@
+// The continuous target: `halflight` against the other techniques, and what each of its ingredients buys.
+#include <cmath>
+
+#include "experiments/paper_experiments.h"
+#include "experiments/races.h"
+
+namespace halflight {
+
+namespace {
+
+constexpr std::array scenes{"cornell", "bedroom", "hall", "statue", "car", "box", "plate", "spheres"};
+
+RaceOrder order_of(const ExperimentRun& run, const char* scene) {
+  RaceOrder order;
+  order.scene = scene;
+  order.target = Target::continuous;
+  order.width = run.choose(320, 48), order.height = run.choose(240, 36);
+  order.budgets = run.options.budgets_given
+                      ? run.options.budgets
+                      : run.choose(std::vector<double>{1, 2, 4, 8}, std::vector<double>{0.5, 1});
+  return order;
+}
+
+/// Time to relMSE 1e-2, of a racer by its id.
+Estimate time_to_goal(const Race& race, const Analysis& analysis, std::string_view id) {
+  for (const RacerResult& result : analysis.results)
+    if (race.racers[result.racer].id == id) return result.reach[0];
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  return {none, none, none};
+}
+
+/// An ingredient, and the setting that leaves it out.
+struct Ingredient {
+  const char* name;
+  std::vector<std::pair<std::string, std::string>> without;
+};
+
+const std::array<Ingredient, 6>& ingredients() {
+  static const std::array<Ingredient, 6> all{{
+      {"BRDF rays", {{"halflight.brdf-share", "0"}, {"halflight.narrow-share", "0"}}},
+      {"more BRDF rays on narrow lobes", {{"halflight.narrow-share", "0.125"}}},
+      {"splitting near clusters", {{"halflight.near", "0"}}},
+      {"learned visibility", {{"halflight.visibility", "0"}}},
+      {"one distribution a quad", {{"halflight.share", "0"}}},
+      {"a pilot of 16 rays a point", {{"halflight.pilot-rays", "1"}}},
+  }};
+  return all;
+}
+
+}  // namespace
+
+void run_continuous(const ExperimentRun& run, ExperimentReport& report, Facts& machine) {
+  const std::vector<std::string> techniques{"halflight", "bidirectional", "mis", "light-bvh", "brdf"};
+  std::vector<std::vector<std::string>> rows;
+  double log_ratio = 0, counted = 0;
+  for (const char* scene : scenes) {
+    if (run.stopped()) break;
+    RaceOrder order = order_of(run, scene);
+    order.techniques = techniques;
+    const Race race = run_order(run, order, scene);
+    if (!any_complete(race)) continue;
+    const Analysis analysis = analyse(race);
+    for (const std::string& id : techniques) {
+      const std::optional<EndOfRace> end = end_of(race, analysis, id);
+      if (!end) continue;
+      rows.push_back({scene, id, cell(end->seconds), cell(end->spp), estimate_text(end->error),
+                      estimate_text(time_to_goal(race, analysis, id), " s"),
+                      id == "halflight" ? "" : estimate_text(error_ratio(race, id, "halflight"))});
+    }
+    const double ours = time_to_goal(race, analysis, "halflight").value,
+                 theirs = time_to_goal(race, analysis, "bidirectional").value;
+    if (ours > 0 && std::isfinite(theirs)) log_ratio += std::log(theirs / ours), counted += 1;
+    machine = race.machine;
+  }
+  report.describe("target",
+                  "continuous; references by halflight with draws of its own, 16 times the largest budget");
+  report.describe("seeds", run.options.seeds);
+  report.table("continuous", "relMSE at equal wall time, and time to 1e-2",
+               {"scene", "technique", "seconds", "samples a pixel", "relMSE", "time to 1e-2",
+                "its relMSE over halflight's"},
+               rows);
+  if (counted > 0)
+    report.text(
+        fmt::format("Geometric mean over {} scenes of the time to 1e-2, bidirectional over halflight: {}. "
+                    "Scenes on which either is still above it at the end do not count.",
+                    counted, cell(std::exp(log_ratio / counted))));
+}
+
+void run_ingredients(const ExperimentRun& run, ExperimentReport& report, Facts& machine) {
+  std::vector<std::vector<std::string>> rows;
+  for (const char* scene : scenes) {
+    if (run.stopped()) break;
+    RaceOrder order = order_of(run, scene);
+    order.techniques = {"halflight"};
+    order.budgets = {order.budgets.back() / 2};
+    const std::string folder = scene;
+    const Race whole = run_order(run, order, folder);
+    if (!any_complete(whole)) continue;
+    order.reference = (run.folder / folder / whole.reference.file).string();
+    std::vector<std::string> row{scene};
+    for (size_t i = 0; i < ingredients().size() && !run.stopped(); ++i) {
+      order.settings = ingredients()[i].without;
+      const Race without = run_order(run, order, fmt::format("{}-without-{}", scene, i));
+      row.push_back(estimate_text(error_ratio(without, "halflight", whole, "halflight")));
+    }
+    row.resize(1 + ingredients().size());
+    rows.push_back(row);
+    machine = whole.machine;
+  }
+  std::vector<std::string> headings{"scene"};
+  for (const Ingredient& ingredient : ingredients())
+    headings.push_back(fmt::format("without {}", ingredient.name));
+  report.describe("target", "continuous; one reference a scene, by halflight with draws of its own");
+  report.describe("seeds", run.options.seeds);
+  report.table("ingredients", "relMSE at equal wall time without each ingredient, over that of the whole",
+               headings, rows);
+  report.text(
+      "Above 1: the ingredient buys that much. Brackets are 95 % bootstrap intervals over the seeds.");
+}
+
+}  // namespace halflight
