@@ -45,9 +45,9 @@ StressCase corner_case(std::string id, float distance) {
                [=] { return corner(distance); }};
   c.set = only_indirect;
   c.exemptions = light_samples_alone();
-  c.exemptions.push_back({"single-point", Expected::tails,
-                          "a cluster's representative stands far from the wall's nearest points",
-                          Target::discrete});
+  // Of the points of S few stand near enough to send much: most of the sum is seldom drawn.
+  c.exemptions.push_back({"*", Expected::tails,
+                          "most of the sum comes from few points, which are seldom drawn", Target::discrete});
   c.interval = 0.1;
   return c;
 }
@@ -148,13 +148,17 @@ StressCase all_occluded() {
 
 StressCase closed_box() {
   StressCase c{"29", "closed-box", "a closed box under an even sky of 100, nothing else",
-               "0 exactly: the sky is a light of S, and none of it arrives", [] {
+               "below 1e-6 where the sky has 100: it is a light of S, and none of it arrives; what lies in "
+               "one plane sees itself "
+               "under cosines of a float's last place, 1e-7",
+               [] {
                  Scene scene;
                  add_box(scene, Vec3(-1), Vec3(1), add_material(scene, phong(Vec3(0.4f), Vec3(0.3f), 20)));
                  scene.environment = even_sky(Vec3(100));
                  scene.cameras = {look_at({0.5f, 0.6f, 0.7f}, {-0.3f, -0.8f, -0.2f}, {0, 1, 0}, 1.2f)};
                  return scene;
                }};
+  c.tolerance = 1e-6;
   c.constant_truth = Vec3(0);
   return c;
 }

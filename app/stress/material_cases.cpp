@@ -12,7 +12,8 @@ namespace {
 const std::string studio_text =
     "a floor under a lamp, a wall that returns light, a card and a sky with a soft sun; ";
 const std::string mean_bound =
-    "the mean of picture, channels and tiles is the truth: P > 0 for every light, and a sample is divided by it";
+    "the mean of picture, channels and tiles is the truth: P > 0 for every light, and a sample is divided by "
+    "it";
 
 const Vec3 some_diffuse{0.3f, 0.25f, 0.2f}, some_specular{0.5f, 0.5f, 0.4f};
 
@@ -128,6 +129,7 @@ void add_material_cases(StressCases& cases) {
                      }};
   brushed.exemptions =
       blind_on_sharp_lobes("across its grooves the lobe is narrower than what lies between points");
+  brushed.interval = 0.08;
   cases.push_back(brushed);
 
   cases.push_back(no_diffuse());

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <exception>
 
 #include "stress/stress_stage.h"
 
@@ -45,6 +46,17 @@ std::string expected_text(const StressCase& c, const Exemption& e) {
       break;
   }
   return c.bound;
+}
+
+/// A case that ends in an error falls short with its message; the others go on.
+Finding tried(const StressCase& c, StressStage& stage, const Contestant& contestant) {
+  try {
+    return c.check ? c.check(stage, contestant) : check_mean(stage, contestant);
+  } catch (const std::exception& error) {
+    Finding finding;
+    finding.shortfall = error.what();
+    return finding;
+  }
 }
 
 }  // namespace
@@ -102,7 +114,7 @@ std::vector<StressResult> run_stress_case(const StressCase& c, const StressEffor
     if (contestant.expectation.expected == Expected::left_out) {
       result.verdict = StressVerdict::left_out;
     } else {
-      Finding finding = c.check ? c.check(stage, contestant) : check_mean(stage, contestant);
+      const Finding finding = tried(c, stage, contestant);
       if (stop.stop_requested()) break;
       result.measured = finding.measured;
       result.reason = finding.shortfall;

@@ -49,7 +49,7 @@ StressCase million_lights() {
       {{"lights.count", "500000"}, {"lights.samples", "1"}, {"lights.repulsion", "0"}});
   c.width = 8, c.height = 6;
   c.samples = 256;
-  c.interval = 0.1;
+  c.interval = 0.12;
   c.targets = {Target::discrete};
   return c;
 }
@@ -139,14 +139,14 @@ void add_sampling_cases(StressCases& cases) {
   cases.push_back(million_lights());
   cases.push_back(studio_case("34", "cut-of-one", "a cut of one cluster a kind",
                               "the leaves' share is all there is", {{"cut.least", "1"}, {"cut.most", "1"}}));
-  cases.back().interval = 0.08;
+  cases.back().interval = 0.12;
   cases.push_back(studio_case("35", "cut-of-all", "a cut of single lights",
                               "clusters without an extent are lights",
                               {{"cut.least", "100000"}, {"cut.most", "100000"}, {"cut.error", "0"}}));
   StressCase one =
       studio_case("36", "one-sample", "one sample a pixel", "strata of one sample are all there is", {});
   one.samples = 1;
-  one.interval = 0.1;
+  one.interval = 0.15;
   cases.push_back(one);
   StressCase odd =
       studio_case("37", "37-samples", "37 samples a pixel", "no number of samples is special", {});
@@ -168,7 +168,7 @@ void add_sampling_cases(StressCases& cases) {
   StressCase pixel =
       studio_case("40", "one-pixel", "a picture of one pixel", "tiles, strides and halves hold it", {});
   pixel.width = pixel.height = 1;
-  pixel.interval = 0.2;
+  pixel.interval = 0.25;
   pixel.samples = 512;
   cases.push_back(pixel);
   cases.push_back(edited_light());

@@ -24,7 +24,8 @@ RunCounts StressStage::run_counts(Target target) const {
                      : target == Target::discrete ? RunCounts{8, 16, 64}
                                                   : RunCounts{8, 16, 48};
   if (effort_.most_runs > 0) {
-    counts.most = effort_.most_runs;
+    // Fewer tell nothing of their own spread.
+    counts.most = std::max(effort_.most_runs, StressRuns::block);
     counts.least = std::min(counts.least, counts.most), counts.pilot = std::min(counts.pilot, counts.most);
   }
   return counts;

@@ -54,7 +54,8 @@ LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, RayCou
               static_cast<uint32_t>(frame.settings->get("lights.count"))) {
   constexpr uint64_t pilot = 0x70696c6f74ull;
   std::vector<VirtualLight> points = draw(frame, hash_combine(frame.seed, pilot), pilot_rays, counters);
-  for (uint32_t i = 0; i < points.size(); ++i)
+  // Directional lights are distant ones too, but no cells.
+  for (uint32_t i = 0; i < std::min<size_t>(strata_.punctual_begin(), points.size()); ++i)
     if (points[i].kind == LightKind::environment) points[i].radiance = strata_.environment_mean(i);
   tree_ = build_light_tree(std::move(points));
   relight(tree_, smoothed_radiances(tree_));

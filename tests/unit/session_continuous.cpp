@@ -61,7 +61,7 @@ class ContinuousTarget : public testing::TestWithParam<SceneCase> {
 };
 
 std::vector<TechniqueCase> techniques_to_compare(bool full) {
-  if (!full) return {{"halflight", 8}, {"mis", 8}};
+  if (!full) return {{"halflight", 32}, {"mis", 32}};
   return {{"halflight", 64}, {"mis", 64}, {"brdf", 32}, {"bidirectional", 32, true}};
 }
 
@@ -73,7 +73,7 @@ TEST_P(ContinuousTarget, TilesHaveTheMeansOfThePathTracer) {
   Scene scene = load(c, messages);
   RenderSettings settings;
   settings.technique = "path", settings.backend = Backend::none;
-  settings.values.set("lights.count", "4000");  // of a size with the picture
+  settings.values.set("lights.count", full() ? "4000" : "1000");  // of a size with the picture
   Session session(std::move(scene), settings, messages);
   const Camera camera = session.camera();
 
@@ -83,7 +83,7 @@ TEST_P(ContinuousTarget, TilesHaveTheMeansOfThePathTracer) {
   const SeedMeans truth = run_seeds(session, camera, "path", path_run, 1000);
   for (const TechniqueCase& technique : techniques_to_compare(full())) {
     TileRun run = path_run;
-    run.rounds = technique.rounds, run.samples = full() ? std::max(2u, c.effort / 2) : 4;
+    run.rounds = technique.rounds, run.samples = full() ? std::max(2u, c.effort / 2) : 2;
     const TileVerdict verdict = compare_tiles(run_seeds(session, camera, technique.id, run, 1), truth);
     const std::string line = fmt::format(
         "{:<16} {:<14} {:>4} tiles  largest |z| {:.2f}  RMS z {:.3f}  mean {:+.3f} % ± {:.3f}  tile error "
