@@ -39,9 +39,9 @@ const std::array<Ingredient, 6>& ingredients() {
   static const std::array<Ingredient, 6> all{{
       {"BRDF rays", {{"halflight.brdf-share", "0"}, {"halflight.narrow-share", "0"}}},
       {"more BRDF rays on narrow lobes", {{"halflight.narrow-share", "0.125"}}},
-      {"splitting near clusters", {{"halflight.near", "0"}}},
+      {"(with near clusters split)", {{"halflight.near", "0.5"}}},
       {"learned visibility", {{"halflight.visibility", "0"}}},
-      {"one distribution a quad", {{"halflight.share", "0"}}},
+      {"one distribution for 4×4 like pixels", {{"halflight.share", "1"}}},
       {"a pilot of 16 rays a point", {{"halflight.pilot-rays", "1"}}},
   }};
   return all;
@@ -50,7 +50,7 @@ const std::array<Ingredient, 6>& ingredients() {
 }  // namespace
 
 void run_continuous(const ExperimentRun& run, ExperimentReport& report, Facts& machine) {
-  const std::vector<std::string> techniques{"halflight", "bidirectional", "mis", "light-bvh", "brdf"};
+  const std::vector<std::string> techniques{"halflight", "bidirectional", "mis", "light-bvh"};
   std::vector<std::vector<std::string>> rows;
   double log_ratio = 0, counted = 0;
   for (const char* scene : scenes) {

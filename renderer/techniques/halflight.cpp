@@ -25,10 +25,10 @@ constexpr std::array settings{
     SettingInfo{"halflight.narrow-share", 0.5, 0, 1,
                 "the same where the lobe is narrower than the cut's clusters"},
     SettingInfo{"halflight.alpha", 0.05, 0, 1, "share of light samples that ignore the BRDF"},
-    SettingInfo{"halflight.near", 0.5, 0, 1e6,
+    SettingInfo{"halflight.near", 0, 0, 1e6,
                 "clusters that reach further than this share of their distance are split; 0: none"},
-    SettingInfo{"halflight.share", 1, 0, 1,
-                "1: like pixels of a quad of 2×2 draw from one distribution; 0: not"},
+    SettingInfo{"halflight.share", 4, 1, 16,
+                "like pixels of a block of this edge draw from one distribution"},
     SettingInfo{"halflight.visibility", 1, 0, 1, "1: draws learn which clusters are hidden; 0: not"},
     SettingInfo{"halflight.pilot-rays", 16, 1, 4096, "shadow rays that light a point of the pilot set"},
     SettingInfo{"halflight.light-rays", 0, 0, 4096,
@@ -37,7 +37,8 @@ constexpr std::array settings{
 
 struct Parameters {
   float brdf_share, narrow_share, alpha, near;
-  bool share, visibility;
+  uint32_t share;
+  bool visibility;
   uint32_t pilot_rays, light_rays;
 
   explicit Parameters(const SettingValues& values)
@@ -45,7 +46,7 @@ struct Parameters {
         narrow_share(static_cast<float>(values.get("halflight.narrow-share"))),
         alpha(static_cast<float>(values.get("halflight.alpha"))),
         near(static_cast<float>(values.get("halflight.near"))),
-        share(values.get("halflight.share") > 0),
+        share(static_cast<uint32_t>(values.get("halflight.share"))),
         visibility(values.get("halflight.visibility") > 0),
         pilot_rays(static_cast<uint32_t>(values.get("halflight.pilot-rays"))),
         light_rays(static_cast<uint32_t>(values.get("halflight.light-rays"))) {}
@@ -80,18 +81,23 @@ Split split_of(float share, uint32_t count, RandomStream& random) {
   return {rays, count - rays, static_cast<float>(rays), static_cast<float>(count - rays)};
 }
 
+/// Share of the specular lobe in what a point reflects.
+float specular_share(const Brdf& brdf) {
+  const float specular = luminance(brdf.specular), diffuse = luminance(brdf.diffuse);
+  return specular > 0 ? specular / (specular + diffuse) : 0.0f;
+}
+
 /// Whether a distribution made for one of two neighbouring points serves the other: on one plane, of like
-/// BRDFs.
+/// lobes.
 bool alike(const GBufferTexel& a, const GBufferTexel& b) {
-  constexpr float least_cosine = 0.95f, most_off_plane = 0.1f, most_ratio = 1.25f;
+  constexpr float least_cosine = 0.95f, most_off_plane = 0.1f, most_ratio = 1.25f, most_apart = 0.1f;
   const Vec3 apart = b.position - a.position;
   const float off_plane = std::abs(glm::dot(apart, a.geometric_normal));
   const auto close = [](float x, float y) { return x <= most_ratio * y && y <= most_ratio * x; };
-  const auto close_colours = [&](Vec3 x, Vec3 y) { return close(luminance(x), luminance(y)); };
   return a.brdf.model == b.brdf.model && glm::dot(a.shading_normal, b.shading_normal) > least_cosine &&
          off_plane <= most_off_plane * glm::length(apart) && close(a.brdf.roughness.x, b.brdf.roughness.x) &&
-         close(a.brdf.roughness.y, b.brdf.roughness.y) && close_colours(a.brdf.specular, b.brdf.specular) &&
-         close_colours(a.brdf.diffuse, b.brdf.diffuse);
+         close(a.brdf.roughness.y, b.brdf.roughness.y) &&
+         std::abs(specular_share(a.brdf) - specular_share(b.brdf)) < most_apart;
 }
 
 /// One thread's draws.
@@ -153,17 +159,20 @@ bool PixelSampler::build(const GBufferTexel& texel) {
   return distribution_.build(cut, guard_, parameters_.alpha);
 }
 
-/// The pixel whose distribution serves this one: the first of its quad of 2×2 that sees the same plane alike. It does
-/// not hang on which pixels a pass visits.
+/// The pixel whose distribution serves this one: the first of its block that sees the same plane alike, in
+/// the order of rows. It does not hang on which pixels a pass visits.
 uint32_t PixelSampler::representative(uint32_t pixel) const {
   const std::vector<GBufferTexel>& texels = frame_.gbuffer->texels;
-  if (!parameters_.share || is_narrow(texels[pixel].brdf)) return pixel;
+  if (parameters_.share < 2 || is_narrow(texels[pixel].brdf)) return pixel;
   const auto width = static_cast<uint32_t>(frame_.gbuffer->width);
-  const uint32_t corner = pixel - pixel % width % 2 - pixel / width % 2 * width;
-  for (const uint32_t candidate : {corner, corner + 1, corner + width}) {
-    if (candidate >= pixel) break;
-    if (texels[candidate].hit() && alike(texels[candidate], texels[pixel])) return candidate;
-  }
+  const uint32_t x = pixel % width, y = pixel / width;
+  const uint32_t left = x - x % parameters_.share, top = y - y % parameters_.share;
+  for (uint32_t v = top; v <= y; ++v)
+    for (uint32_t u = left; u < std::min(left + parameters_.share, width); ++u) {
+      const uint32_t candidate = v * width + u;
+      if (candidate == pixel) return pixel;
+      if (texels[candidate].hit() && alike(texels[candidate], texels[pixel])) return candidate;
+    }
   return pixel;
 }
 
