@@ -14,10 +14,10 @@ RaceOrder order_of(const ExperimentRun& run, const char* scene) {
   RaceOrder order;
   order.scene = scene;
   order.target = Target::continuous;
-  order.width = run.choose(320, 48), order.height = run.choose(240, 36);
+  order.width = run.choose(160, 48), order.height = run.choose(120, 36);
   order.budgets = run.options.budgets_given
                       ? run.options.budgets
-                      : run.choose(std::vector<double>{1, 2, 4, 8}, std::vector<double>{0.5, 1});
+                      : run.choose(std::vector<double>{0.5, 1, 2, 4}, std::vector<double>{0.5, 1});
   return order;
 }
 
@@ -38,7 +38,7 @@ struct Ingredient {
 const std::array<Ingredient, 6>& ingredients() {
   static const std::array<Ingredient, 6> all{{
       {"BRDF rays", {{"halflight.brdf-share", "0"}, {"halflight.narrow-share", "0"}}},
-      {"more BRDF rays on narrow lobes", {{"halflight.narrow-share", "0.125"}}},
+      {"more BRDF rays on narrow lobes", {{"halflight.narrow-share", "0.0625"}}},
       {"(with near clusters split)", {{"halflight.near", "0.5"}}},
       {"learned visibility", {{"halflight.visibility", "0"}}},
       {"one distribution for 4×4 like pixels", {{"halflight.share", "1"}}},

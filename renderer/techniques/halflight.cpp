@@ -21,8 +21,8 @@ namespace halflight {
 namespace {
 
 constexpr std::array settings{
-    SettingInfo{"halflight.brdf-share", 0.125, 0, 1, "share of a pixel's samples that follow the BRDF"},
-    SettingInfo{"halflight.narrow-share", 0.5, 0, 1,
+    SettingInfo{"halflight.brdf-share", 0.0625, 0, 1, "share of a pixel's samples that follow the BRDF"},
+    SettingInfo{"halflight.narrow-share", 0.25, 0, 1,
                 "the same where the lobe is narrower than the cut's clusters"},
     SettingInfo{"halflight.alpha", 0.05, 0, 1, "share of light samples that ignore the BRDF"},
     SettingInfo{"halflight.near", 0, 0, 1e6,
@@ -69,16 +69,22 @@ struct Split {
   float expected_rays, expected_samples;
 };
 
-Split split_of(float share, uint32_t count, RandomStream& random) {
-  const float ideal = share * static_cast<float>(count);
-  if (share <= 0) return {0, count, 0, static_cast<float>(count)};
-  if (share >= 1) return {count, 0, static_cast<float>(count), 0};
-  if (count == 1) {
-    const bool ray = random.next() < share;
-    return {ray ? 1u : 0u, ray ? 0u : 1u, share, 1 - share};
-  }
-  const uint32_t rays = std::clamp(static_cast<uint32_t>(ideal + 0.5f), 1u, count - 1);
-  return {rays, count - rays, static_cast<float>(rays), static_cast<float>(count - rays)};
+/// Whole numbers whose means over a uniform `phase` in [0, 1) are the expected ones: with few samples a
+/// round, neither way gets more than its share. Weights know the expected numbers, so that no sample loses
+/// its bound.
+Split split_of(float share, uint32_t count, float phase) {
+  const float expected = std::clamp(share, 0.0f, 1.0f) * static_cast<float>(count);
+  const uint32_t rays = std::min(static_cast<uint32_t>(expected + phase), count);
+  return {rays, count - rays, expected, static_cast<float>(count) - expected};
+}
+
+/// Uniform over seeds; neighbours and successive rounds differ as much as can be (Roberts 2018, the R3
+/// sequence).
+float split_phase(const FrameView& frame, uint32_t pixel, uint32_t round) {
+  const auto width = static_cast<uint32_t>(frame.gbuffer->width);
+  const auto seed = static_cast<uint32_t>(hash_combine(frame.seed, 0x73706c6974ull));
+  return to_unit_float(seed + pixel % width * 0xd1b54a33u + pixel / width * 0xabc98388u +
+                       round * 0x8cb92ba7u);
 }
 
 /// Share of the specular lobe in what a point reflects.
@@ -104,8 +110,9 @@ bool alike(const GBufferTexel& a, const GBufferTexel& b) {
 class PixelSampler {
  public:
   PixelSampler(const FrameView& frame, const Parameters& parameters, const LearnedLights& lights,
-               LearnedVisibility& visibility)
+               LearnedVisibility& visibility, uint32_t round)
       : frame_(frame),
+        round_(round),
         parameters_(parameters),
         lights_(lights),
         visibility_(visibility),
@@ -128,6 +135,7 @@ class PixelSampler {
   void connect(TracedWorker&, int half, const Split&);
 
   const FrameView& frame_;
+  uint32_t round_;
   const Parameters& parameters_;
   const LearnedLights& lights_;
   LearnedVisibility& visibility_;
@@ -211,7 +219,7 @@ void PixelSampler::render(TracedWorker& worker, uint32_t pixel, int half, uint32
   const bool hits = frame_.kinds.environment || frame_.kinds.emitters || frame_.kinds.surfaces;
   const bool drawable = share < 1 && build_or_share(pixel);
   worker.distribution_ticks += ticks_now() - start;
-  const Split split = split_of(!drawable ? 1 : hits ? share : 0, count, random);
+  const Split split = split_of(!drawable ? 1 : hits ? share : 0, count, split_phase(frame_, pixel, round_));
   const DrawAllocation expected =
       DrawAllocation::of_rays_and_samples(split.expected_rays, split.expected_samples);
   if (split.samples > 0) draw_light(worker, half, split, random);
@@ -262,7 +270,7 @@ class Halflight final : public Technique {
 
     const std::array<uint32_t, 2> split = split_samples(request);
     tbb::enumerable_thread_specific<PixelSampler> samplers(
-        [&] { return PixelSampler(frame, parameters, *lights_, visibility_); });
+        [&] { return PixelSampler(frame, parameters, *lights_, visibility_, request.pass); });
     stats += run_traced_tiles(
         frame, request,
         [&] { return TracedWorker(frame, request, film, lights_->sources(), TracedParameters{}, split); },
