@@ -38,11 +38,15 @@ bool group_changed(const SettingValues& a, const SettingValues& b, std::span<con
 }
 
 /// Position inside the pixel of round `pass`, relative to its centre (Roberts 2018, the R2 sequence), moved by a shift
-/// that the seed gives: each position is uniform over seeds.
+/// that the seed gives: each position is uniform over seeds. Every other pair of rounds mirrors the pair before it, so
+/// that the mean of a few rounds is the centre; pairs, for rounds go to the two halves of the film in turn.
 Vec2 pixel_jitter(uint32_t pass, uint64_t seed) {
   const Vec2 shift = RandomStream(0, 0, hash_combine(seed, 0x6a6974746572ull)).next2();
-  const double n = pass + 1.0;
-  const auto place = [](double x) { return static_cast<float>(x - std::floor(x) - 0.5); };
+  const double n = pass / 4 * 2 + pass % 2 + 1;
+  const float side = pass / 2 % 2 == 0 ? 1.0f : -1.0f;
+  const auto place = [&](double x) {
+    return std::min(side * static_cast<float>(x - std::floor(x) - 0.5), std::nextafter(0.5f, 0.0f));
+  };
   return {place(n * 0.7548776662466927 + shift.x), place(n * 0.5698402909980532 + shift.y)};
 }
 

@@ -55,9 +55,9 @@ DrawAllocation::DrawAllocation(const Shares& shares, uint32_t samples) {
   const auto& chosen = each_has_one ? whole : ideal;
   for (size_t k = 0; k < draw_kind_count; ++k) {
     expected_[k] = static_cast<float>(chosen[k]);
-    prefix_[k + 1] = prefix_[k] + chosen[k];
+    prefix_[k + 1] = std::min(prefix_[k] + chosen[k], static_cast<double>(samples));
   }
-  prefix_.back() = samples;  // the sum of shares may miss it by a rounding
+  prefix_.back() = samples;  // the sum of shares may miss it by a rounding, either way
 }
 
 DrawAllocation DrawAllocation::of_rays_and_samples(float brdf_rays, float light_samples) {

@@ -43,6 +43,20 @@ TEST(DrawAllocation, CountsAddUpAndMeanTheExpectedNumbers) {
   }
 }
 
+// Sums of shares round, and u = 0 lands on every edge.
+TEST(DrawAllocation, RoundingNeverAsksForMoreThanAll) {
+  RandomStream random(1, 2, 3);
+  for (int i = 0; i < 20000; ++i) {
+    DrawAllocation::Shares shares{};
+    for (size_t k = 0; k < draw_kind_count; ++k)
+      if (random.next() < 0.7f) shares[k] = random.next();
+    const uint32_t samples = 1 + static_cast<uint32_t>(random.next_bits() % 5);
+    const DrawAllocation allocation(shares, samples);
+    for (const float u : {0.0f, 0x1p-24f, 0.5f, 1 - 0x1p-24f})
+      for (const uint32_t count : allocation.counts(u)) ASSERT_LE(count, samples) << u;
+  }
+}
+
 TEST(DrawAllocation, NothingWantedDrawsNothing) {
   EXPECT_EQ(DrawAllocation({}, 8).counts(0.5f), (std::array<uint32_t, draw_kind_count>{}));
 }
