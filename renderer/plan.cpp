@@ -107,9 +107,12 @@ Plan make_plan(const SceneNeeds& needs, const TechniqueInfo& technique, Target t
                                : "punctual lights are members of S");
 
   const bool light_set = uses_light_set(technique, target);
-  const std::string without_set = fmt::format(
-      "{} {}needs no S", technique.id,
-      technique.target == TargetSupport::both ? "follows rays in the continuous target and " : "");
+  const std::string without_set =
+      technique.has_own_lights
+          ? fmt::format("{} makes strata, tree and cut of its own", technique.id)
+          : fmt::format(
+                "{} {}needs no S", technique.id,
+                technique.target == TargetSupport::both ? "follows rays in the continuous target and " : "");
   const auto kind = [&](const char* name, bool runs, bool present, const char* what, bool asked) {
     stage(name, runs && light_set,
           !present             ? std::string("the scene has no ") + what

@@ -37,9 +37,10 @@ bool group_changed(const SettingValues& a, const SettingValues& b, std::span<con
                      [&](const SettingInfo& info) { return a.get(info.key) != b.get(info.key); });
 }
 
-/// Position inside the pixel of round `pass`, relative to its centre (Roberts 2018, the R2 sequence), moved by a shift
-/// that the seed gives: each position is uniform over seeds. Every other pair of rounds mirrors the pair before it, so
-/// that the mean of a few rounds is the centre; pairs, for rounds go to the two halves of the film in turn.
+/// Position inside the pixel of round `pass`, relative to its centre (Roberts 2018, the R2 sequence), moved
+/// by a shift that the seed gives: each position is uniform over seeds. Every other pair of rounds mirrors
+/// the pair before it, so that the mean of a few rounds is the centre; pairs, for rounds go to the two halves
+/// of the film in turn.
 Vec2 pixel_jitter(uint32_t pass, uint64_t seed) {
   const Vec2 shift = RandomStream(0, 0, hash_combine(seed, 0x6a6974746572ull)).next2();
   const double n = pass / 4 * 2 + pass % 2 + 1;

@@ -330,6 +330,7 @@ TechniqueInfo halflight_technique() {
                      []() -> std::unique_ptr<Technique> { return std::make_unique<Halflight>(); },
                      "unbiased for the integral"};
   info.leaves_s_when_continuous = true;
+  info.has_own_lights = true;
   return info;
 }
 

@@ -129,6 +129,7 @@ struct TechniqueInfo {
   bool exact = false;  ///< one pass holds all the technique has to give; more passes repeat it
   Device device = Device::cpu;
   bool hidden = false;  ///< found by its id, listed nowhere
+  bool has_own_lights = false;  ///< instead of S, tree and cut of the frame it makes its own
 };
 
 /// Whether S, its tree and the cut are made for the technique in this target. Those with a target of their
