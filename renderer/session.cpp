@@ -282,6 +282,8 @@ FrameView Session::Impl::view() const {
   frame.cut = &lights.cut();
   frame.settings = &settings.values;
   frame.base = plan.gbuffer ? &base : nullptr;
+  frame.base_has_emission = plan.show_emission;
+  frame.base_has_punctual = plan.direct_punctual;
   frame.target = target();
   frame.kinds = plan.kinds;
   frame.light = settings.light;
@@ -291,9 +293,13 @@ FrameView Session::Impl::view() const {
 }
 
 uint32_t Session::round_samples(uint32_t total) const {
-  if (find_technique(impl_->settings.technique).exact) return std::max(1u, total);
-  constexpr uint32_t rounds_for_edges = 8, most_in_a_round = 256;
-  const uint32_t wanted = impl_->plan.antialiased ? (total + rounds_for_edges - 1) / rounds_for_edges : total;
+  const TechniqueInfo& technique = find_technique(impl_->settings.technique);
+  if (technique.exact) return std::max(1u, total);
+  constexpr uint32_t rounds_for_edges = 8, fewest_rounds = 4, most_in_a_round = 256;
+  const uint32_t wanted = impl_->plan.antialiased
+                              ? std::max((total + rounds_for_edges - 1) / rounds_for_edges,
+                                         std::min(total / fewest_rounds, technique.samples_a_round))
+                              : total;
   return std::clamp(wanted, 1u, most_in_a_round);
 }
 
@@ -312,6 +318,7 @@ void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::
 
   const double threads = thread_count();
   s.stats.seconds.lights += pass.lights_seconds;
+  s.stats.seconds.raster += pass.gbuffer_seconds / threads;
   s.stats.seconds.distribution += pass.distribution_seconds / threads;
   s.stats.seconds.sampling += pass.sampling_seconds / threads;
   s.stats.seconds.visibility += pass.visibility_seconds / threads;

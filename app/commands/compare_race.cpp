@@ -84,9 +84,11 @@ uint32_t Run::next_samples(double budget) const {
   if (done_ > 0 && left < 0.5 * (cost_.pass + cost_.sample)) return 0;
   if (single_) return only_samples(left);
   // Enough samples to be worth what a pass costs. In the discrete target they may be as many as there are
-  // already; in the continuous one those of a pass share S and the pixel grid, and more passes are worth more
-  // than larger ones.
-  const double grown = session_.plan().antialiased ? 1.0 : std::max(1.0, static_cast<double>(done_));
+  // already; in the continuous one those of a pass share S, and unless the technique spreads them over the
+  // pixel also the pixel grid: more passes are worth more than larger ones.
+  double grown = std::max(1.0, static_cast<double>(done_));
+  if (session_.plan().antialiased)
+    grown = std::min(grown, static_cast<double>(find_technique(request_.settings.technique).samples_a_round));
   const double worth = std::max(grown, cost_.pass / cost_.sample);
   const double most = std::min<double>(worth, most_in_a_pass);
   const double fit = std::max(1.0, (left - cost_.pass) / cost_.sample);

@@ -145,27 +145,26 @@ void set_leaf_ranges(Cut& cut, uint32_t k) {
 Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
   Cut cut;
   std::vector<uint32_t> nodes;
-  double power = 0;
-  for (const int32_t root : tree.roots) {
-    if (root < 0) continue;
-    refine(tree, static_cast<uint32_t>(root), settings, nodes);
-    power += tree.nodes[root].power;
-  }
+  for (const int32_t root : tree.roots)
+    if (root >= 0) refine(tree, static_cast<uint32_t>(root), settings, nodes);
   std::sort(nodes.begin(), nodes.end(),
             [&](uint32_t a, uint32_t b) { return tree.nodes[a].begin < tree.nodes[b].begin; });
-
-  cut.size = static_cast<uint32_t>(nodes.size());
-  if (power > 0) cut.power_unit = std::ldexp(1.0, std::ilogb(power) + 1);
   resize_arrays(cut, padded_clusters(nodes.size()));
-  for (uint32_t k = 0; k < cut.size; ++k) {
-    cut.node[k] = nodes[k];
-    set_cluster(cut, k, tree.nodes[nodes[k]]);
-  }
+  cut.size = static_cast<uint32_t>(nodes.size());
+  std::copy(nodes.begin(), nodes.end(), cut.node.begin());
+  refresh_cut(tree, cut);
+  return cut;
+}
+
+void refresh_cut(const LightTree& tree, Cut& cut) {
+  double power = 0;
+  for (const int32_t root : tree.roots) power += root < 0 ? 0.0 : tree.nodes[root].power;
+  cut.power_unit = power > 0 ? std::ldexp(1.0, std::ilogb(power) + 1) : 1;
+  for (uint32_t k = 0; k < cut.size; ++k) set_cluster(cut, k, tree.nodes[cut.node[k]]);
   fill_leaf_prefix(
       cut, tree.lights.size(), [&](uint32_t leaf) { return leaf_power(tree.lights[leaf]); },
       [&](uint32_t k) { return tree.nodes[cut.node[k]].power; });
   fill_leaf_guide(cut);
-  return cut;
 }
 
 Aabb local_bounds(const Cut& cut) {

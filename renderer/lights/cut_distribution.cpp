@@ -14,10 +14,13 @@ namespace {
 
 constexpr size_t block = 16;
 
-// Vector extensions of the compiler: each version of a function gets them in its own width.
-constexpr size_t double_lanes = 8;
+// Vector extensions of the compiler. Four lanes are what AVX2 has; wider ones it takes apart, one by one.
+constexpr size_t double_lanes = 4;
 using DoubleLanes [[gnu::vector_size(double_lanes * sizeof(double))]] = double;
-static_assert(block % double_lanes == 0);
+using CountLanes [[gnu::vector_size(double_lanes * sizeof(int64_t))]] = int64_t;
+/// Running sums of blocks are looked at so many at a time.
+constexpr size_t block_stride = 8;
+static_assert(block % double_lanes == 0 && block_stride % double_lanes == 0);
 constexpr double share_total = 0x1p40;
 
 // Within the guard, this much is spread evenly over the clusters: a light whose guard is lost beside far
@@ -62,21 +65,23 @@ double running_sums(double* share, double* block_end, size_t blocks) {
   return total;
 }
 
-/// How many of 8 ascending numbers do not exceed `target`.
+/// How many of `size` ascending numbers do not exceed `target`.
+template <size_t size>
 HALFLIGHT_INLINE size_t count_not_above(const double* ascending, double target) {
-  DoubleLanes values;
-  std::memcpy(&values, ascending, sizeof values);
-  const auto below = values <= target;  // −1 where it holds
-  int64_t count = 0;
-  for (size_t i = 0; i < double_lanes; ++i) count -= below[i];
-  return static_cast<size_t>(count);
+  CountLanes sum{};
+  for (size_t i = 0; i < size; i += double_lanes) {
+    DoubleLanes values;
+    std::memcpy(&values, ascending + i, sizeof values);
+    sum += values <= target;  // −1 where it holds
+  }
+  return static_cast<size_t>(-((sum[0] + sum[2]) + (sum[1] + sum[3])));
 }
 
 /// First block at or behind `b` whose running sum exceeds `target`; sums of blocks that follow the last are
 /// infinite.
 HALFLIGHT_INLINE size_t find_block(const double* block_end, size_t b, double target) {
-  while (block_end[b + double_lanes - 1] <= target) b += double_lanes;
-  return b + count_not_above(block_end + b, target);
+  while (block_end[b + block_stride - 1] <= target) b += block_stride;
+  return b + count_not_above<block_stride>(block_end + b, target);
 }
 
 /// Where the search for a leaf starts: never behind the leaf it looks for (`Cut::leaf_guide`).
@@ -123,8 +128,7 @@ HALFLIGHT_SIMD_CLONES void draw_clusters(const Cut& cut, const Tables& tables, R
     b = find_block(tables.block_end, b, target);
     const double* share = tables.share + b * block;
     const double inside = target - (b > 0 ? tables.block_end[b - 1] : 0.0);
-    size_t below = 0;
-    for (size_t i = 0; i < block; i += double_lanes) below += count_not_above(share + i, inside);
+    const size_t below = count_not_above<block>(share, inside);
     const double lower = below > 0 ? share[below - 1] : 0.0;
     const double cluster_share = share[below] - lower;
     const size_t k = b * block + below;
@@ -149,7 +153,8 @@ HALFLIGHT_SIMD_CLONES void draw_leaves(const Cut& cut, const Tables& tables, con
     size_t leaf = cut.leaf_guide[guide_slot(cut, k, fraction)];
     while (prefix[leaf + 1] <= target) ++leaf;
     out[j] = {static_cast<uint32_t>(leaf),
-              power_weight(tables.total, draws[j].share, total, prefix[leaf + 1] - prefix[leaf])};
+              power_weight(tables.total, draws[j].share, total, prefix[leaf + 1] - prefix[leaf]),
+              draws[j].cluster};
   }
 }
 
@@ -158,7 +163,7 @@ void draw_leaves_alike(const Cut& cut, const Tables& tables, const ClusterDraw* 
   for (size_t j = 0; j < count; ++j) {
     const uint32_t begin = cut.begin[draws[j].cluster], leaves = cut.end[draws[j].cluster] - begin;
     out[j] = {begin + static_cast<uint32_t>(draws[j].fraction * leaves),
-              uniform_weight(tables.total, draws[j].share, leaves)};
+              uniform_weight(tables.total, draws[j].share, leaves), draws[j].cluster};
   }
 }
 
@@ -179,7 +184,7 @@ bool CutDistribution::build(const Cut& cut, std::span<const float> guard, float 
   HALFLIGHT_CHECK(importance_.size() == padded && (alpha == 0 || guard.size() == padded));
   share_.resize(padded);
   const size_t blocks = padded / block;
-  block_end_.resize(blocks + double_lanes);
+  block_end_.resize(blocks + block_stride);
 
   std::fill(importance_.begin() + cut.size, importance_.end(), 0.0f);
   const float* guard_or_any = alpha > 0 ? guard.data() : importance_.data();

@@ -11,8 +11,9 @@ namespace halflight {
 
 /// A light drawn with its weight: E[weight · 1{light = i}] = 1 for every light that can matter.
 struct LightSample {
-  uint32_t light;  ///< position in the tree's order
-  float weight;    ///< 1 / P(light); the average over N draws estimates the sum over S
+  uint32_t light;        ///< position in the tree's order
+  float weight;          ///< 1 / P(light); the average over N draws estimates the sum over S
+  uint32_t cluster = 0;  ///< of the cut, where it was drawn from one
 };
 
 /// How a leaf is chosen inside its cluster: ∝ Φ_i, or each alike (Wang & Åkerlund §3.2).

@@ -90,6 +90,9 @@ struct Cut {
 
 Cut illumination_cut(const LightTree&, const CutSettings&);
 
+/// The same clusters with what the tree's members send now. Every member that does must lie in one of them.
+void refresh_cut(const LightTree&, Cut&);
+
 /// Box of all clusters that are not at infinity.
 Aabb local_bounds(const Cut&);
 

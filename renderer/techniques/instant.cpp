@@ -205,7 +205,7 @@ class Instant final : public Technique {
                                         split[1] * parameters_.direct_samples};
     tbb::enumerable_thread_specific<IndirectGatherer> gatherers(
         [&] { return IndirectGatherer(frame, request, sets_, parameters_); });
-    stats += run_traced_tiles(
+    stats += run_traced_pixels(
         direct, request, [&] { return TracedWorker(direct, request, film, *lights_, traced, draws); },
         [&](TracedWorker& worker, uint32_t pixel, RandomStream& random) {
           for (int half = 0; half < 2; ++half) {

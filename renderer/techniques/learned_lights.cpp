@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <utility>
 
 #include "core/random.h"
@@ -12,33 +13,38 @@ namespace halflight {
 
 namespace {
 
-// Powers of surfaces and emitters are those of single points, which may miss what their stratum holds: each
-// takes a small share from the mean of its kind, and those of surfaces one from their neighbours on the tree.
-constexpr double own_share = 0.7, kind_share = 0.01;
+// Powers of surfaces and emitters are those of a few points, which may miss what their stratum holds: each
+// takes a small share from the mean of its kind, and those of surfaces one from their neighbours on the tree,
+// as if those were so many sets more.
+constexpr double neighbours_sets = 0.4, kind_share = 0.01;
 constexpr size_t neighbours = 4;  ///< on either side
+constexpr uint32_t pilot_sets = 4;
 
-/// Radiances of the pilot, grey, none black beside a lit one of its kind, and smoothed along the leaves of
-/// surfaces; in the original order.
-std::vector<Vec3> smoothed_radiances(const LightTree& tree) {
+float grey_radiance(const VirtualLight& light) {
+  return light.measure > 0 ? static_cast<float>(leaf_power(light) / light.measure) : 0.0f;
+}
+
+/// Radiances as drawing takes them, of `grey` ones in the tree's order that are means over `sets`: none black
+/// beside a lit one of its kind, smoothed along the leaves of surfaces. In the original order.
+std::vector<Vec3> smoothed_radiances(const LightTree& tree, const std::vector<float>& grey, uint32_t sets) {
   const size_t count = tree.lights.size();
-  std::vector<double> grey(count);
   std::array<double, light_kind_count> sum{}, measure{};
   const auto kind_of = [&](size_t i) { return static_cast<size_t>(tree.lights[i].kind); };
   const auto is_surface = [&](size_t i) { return tree.lights[i].kind == LightKind::surface; };
-  for (size_t i = 0; i < count; ++i) {
-    grey[i] = tree.lights[i].measure > 0 ? leaf_power(tree.lights[i]) / tree.lights[i].measure : 0;
-    sum[kind_of(i)] += grey[i] * tree.lights[i].measure, measure[kind_of(i)] += tree.lights[i].measure;
-  }
+  for (size_t i = 0; i < count; ++i)
+    sum[kind_of(i)] += static_cast<double>(grey[i]) * tree.lights[i].measure,
+        measure[kind_of(i)] += tree.lights[i].measure;
+  const double around_share = neighbours_sets / (sets + neighbours_sets) * (1 - kind_share);
   std::vector<Vec3> result(count);
   for (size_t i = 0; i < count; ++i) {
     double value = grey[i];
     const double mean = measure[kind_of(i)] > 0 ? sum[kind_of(i)] / measure[kind_of(i)] : 0;
-    if (tree.lights[i].kind == LightKind::emitter) value = (1 - kind_share) * grey[i] + kind_share * mean;
+    if (tree.lights[i].kind == LightKind::emitter) value = (1 - kind_share) * value + kind_share * mean;
     if (is_surface(i)) {
       double around = 0, found = 0;
       for (size_t j = i > neighbours ? i - neighbours : 0; j < std::min(count, i + neighbours + 1); ++j)
-        if (is_surface(j)) around += grey[j], found += 1;
-      value = own_share * grey[i] + (1 - own_share - kind_share) * (around / found) + kind_share * mean;
+        if (is_surface(j)) around += static_cast<double>(grey[j]), found += 1;
+      value = (1 - around_share - kind_share) * value + around_share * (around / found) + kind_share * mean;
     }
     result[tree.original[i]] = Vec3(static_cast<float>(value));
   }
@@ -53,15 +59,63 @@ LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, RayCou
               {frame.kinds.environment, frame.kinds.emitters, frame.kinds.surfaces, frame.kinds.punctual},
               static_cast<uint32_t>(frame.settings->get("lights.count"))) {
   constexpr uint64_t pilot = 0x70696c6f74ull;
-  std::vector<VirtualLight> points = draw(frame, hash_combine(frame.seed, pilot), pilot_rays, counters);
-  // Directional lights are distant ones too, but no cells.
-  for (uint32_t i = 0; i < std::min<size_t>(strata_.punctual_begin(), points.size()); ++i)
-    if (points[i].kind == LightKind::environment) points[i].radiance = strata_.environment_mean(i);
-  tree_ = build_light_tree(std::move(points));
-  relight(tree_, smoothed_radiances(tree_));
+  const uint32_t rays = std::max(1u, pilot_rays / pilot_sets);
+  for (uint32_t i = 0; i < pilot_sets; ++i) {
+    std::vector<VirtualLight> set =
+        draw(frame, hash_combine(hash_combine(frame.seed, pilot), i), rays, counters);
+    see(set, pilot_);
+    if (i == 0) tree_ = build_light_tree(std::move(set));
+  }
+  seen_ = pilot_;
+  use_powers();
   cut_ = illumination_cut(tree_, cut_settings(*frame.settings));
   leaf_of_.resize(strata_.size());
   for (uint32_t i = 0; i < tree_.original.size(); ++i) leaf_of_[tree_.original[i]] = i;
+  cluster_of_.assign(tree_.lights.size(), none);
+  for (uint32_t k = 0; k < cut_.size; ++k)
+    std::fill(cluster_of_.begin() + cut_.begin[k], cluster_of_.begin() + cut_.end[k], k);
+}
+
+void LearnedLights::see(std::span<const VirtualLight> set, Seen& seen) const {
+  seen.radiance.resize(set.size());
+  for (size_t i = 0; i < set.size(); ++i) {
+    // Directional lights are distant ones too, but no cells.
+    const bool is_cell = set[i].kind == LightKind::environment && i < strata_.punctual_begin();
+    const Vec3 radiance = is_cell ? strata_.environment_mean(static_cast<uint32_t>(i)) : set[i].radiance;
+    VirtualLight light = set[i];
+    light.radiance = radiance;
+    seen.radiance[i] += grey_radiance(light);
+  }
+  ++seen.sets;
+}
+
+void LearnedLights::use_powers() {
+  const float scale = 1 / static_cast<float>(seen_.sets);
+  std::vector<float> grey(seen_.radiance.size());
+  for (size_t i = 0; i < grey.size(); ++i) grey[i] = seen_.radiance[tree_.original[i]] * scale;
+  relight(tree_, smoothed_radiances(tree_, grey, seen_.sets));
+}
+
+void LearnedLights::learn() {
+  if (lights_.empty()) return;
+  for (size_t i = 0; i < lights_.size(); ++i)
+    if (tree_.lights[i].kind != LightKind::environment && tree_.lights[i].kind != LightKind::punctual)
+      seen_.radiance[tree_.original[i]] += grey_radiance(lights_[i]);
+    else
+      seen_.radiance[tree_.original[i]] *=
+          static_cast<float>(seen_.sets + 1) / static_cast<float>(seen_.sets);
+  ++seen_.sets;
+  if (std::has_single_bit(seen_.sets)) {
+    use_powers();
+    refresh_cut(tree_, cut_);
+  }
+}
+
+void LearnedLights::forget() {
+  if (seen_.sets == pilot_.sets) return;
+  seen_ = pilot_;
+  use_powers();
+  refresh_cut(tree_, cut_);
 }
 
 std::vector<VirtualLight> LearnedLights::draw(const FrameView& frame, uint64_t seed, uint32_t rays_a_point,

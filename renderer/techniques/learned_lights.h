@@ -6,8 +6,8 @@
 
 #include <optional>
 
+#include "lights/cut_distribution.h"
 #include "lights/light_strata.h"
-#include "lights/tile_cut.h"
 #include "techniques/traced_light.h"
 
 namespace halflight {
@@ -16,10 +16,14 @@ class LearnedLights {
  public:
   static constexpr uint32_t none = LightStrata::none;
 
-  /// Makes strata, pilot set, tree and cut for the frame's scene and kinds of light; `pilot_rays` light a
-  /// point of the pilot.
+  /// Makes strata, pilot sets, tree and cut for the frame's scene and kinds of light; `pilot_rays` light a
+  /// stratum in all sets of the pilot together.
   LearnedLights(const FrameView&, uint32_t pilot_rays, RayCounters&);
 
+  /// Takes what the set in hand has shown into the powers of later rounds; that set is done with.
+  void learn();
+  /// What rounds have taught is forgotten; the pilot sets stay.
+  void forget();
   /// Draws the set of a round, its points lit by `rays_a_point` rays.
   void draw_set(const FrameView&, uint64_t round, uint32_t rays_a_point, RayCounters&);
 
@@ -29,6 +33,8 @@ class LearnedLights {
   uint32_t point_count() const { return strata_.surface_count(); }
   /// The set in hand, in the order of the cut's leaves.
   const VirtualLight& light(uint32_t leaf) const { return lights_[leaf]; }
+  /// The cut's cluster that holds a leaf; `none` where the leaf has no power.
+  uint32_t cluster_of(uint32_t leaf) const { return cluster_of_[leaf]; }
   /// Whether BRDF rays find light of the leaf too.
   bool met_by_rays(uint32_t leaf) const { return tree_.original[leaf] < strata_.punctual_begin(); }
 
@@ -43,6 +49,14 @@ class LearnedLights {
   std::optional<Met> met_surface(SurfacePoint, bool front) const;
 
  private:
+  /// What each stratum was seen to send: the sum of grey radiances of its points in so many sets.
+  struct Seen {
+    std::vector<float> radiance;
+    uint32_t sets = 0;
+  };
+
+  void see(std::span<const VirtualLight> set, Seen&) const;
+  void use_powers();
   std::vector<VirtualLight> draw(const FrameView&, uint64_t seed, uint32_t rays_a_point, RayCounters&) const;
   std::optional<Met> met(uint32_t stratum, float measure) const;
 
@@ -50,8 +64,10 @@ class LearnedLights {
   LightStrata strata_;
   LightTree tree_;
   Cut cut_;
-  std::vector<uint32_t> leaf_of_;  ///< of each stratum
+  std::vector<uint32_t> leaf_of_;     ///< of each stratum
+  std::vector<uint32_t> cluster_of_;  ///< of each leaf
   std::vector<VirtualLight> lights_;
+  Seen pilot_, seen_;
 };
 
 }  // namespace halflight

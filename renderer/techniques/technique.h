@@ -55,6 +55,9 @@ struct FrameView {
   const Cut* cut = nullptr;
   const SettingValues* settings = nullptr;
   const std::vector<Vec3>* base = nullptr;  ///< per pixel: emission seen + direct light found by other stages
+  /// What `base` holds, for techniques that look through a pixel at positions of their own; its punctual light
+  /// is by rays in the continuous target.
+  bool base_has_emission = false, base_has_punctual = false;
   Target target = Target::discrete;
   /// What a technique that follows rays itself must find, each once: D_environment, D_emitter, I (`surfaces`)
   /// and D_punctual; the rest is in `base` or was not asked for. S holds these very kinds.
@@ -86,6 +89,7 @@ struct PassStats {
   double lights_seconds = 0;  ///< wall time of making its own lights
   double distribution_seconds = 0, sampling_seconds = 0, visibility_seconds = 0,
          resolve_seconds = 0;  ///< thread seconds
+  double gbuffer_seconds = 0;  ///< thread seconds of finding what positions beside the frame's see
   double gpu_seconds = 0;      ///< of the GPU, within `sampling_seconds`
   RayCounters rays;
   uint64_t useful_rays = 0;  ///< visibility rays that could carry light (f · L > 0)
@@ -130,6 +134,9 @@ struct TechniqueInfo {
   Device device = Device::cpu;
   bool hidden = false;  ///< found by its id, listed nowhere
   bool has_own_lights = false;  ///< instead of S, tree and cut of the frame it makes its own
+  /// Continuous target: samples a pixel that one round uses well, being spread over the pixel. 1: all of a
+  /// round's look through the one position of its G-buffer, and more rounds are worth more than larger ones.
+  uint32_t samples_a_round = 1;
 };
 
 /// Whether S, its tree and the cut are made for the technique in this target. Those with a target of their

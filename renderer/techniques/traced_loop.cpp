@@ -93,25 +93,38 @@ TracedWorker::TracedWorker(const FrameView& frame, const PassRequest& request, F
   for (std::vector<ShadowRay>* rays : {&rays_, &bounce_rays_}) rays->reserve(most_rays);
   for (std::vector<Waiting>* waiting : {&waiting_, &bounce_waiting_}) waiting->reserve(most_rays);
   bounces_.reserve(most_rays);
+  brdf_rays_.reserve(most_brdf_rays), closest_.reserve(most_brdf_rays);
 }
 
 bool TracedWorker::open(uint32_t pixel) {
   ++stats_.pixels;
-  texel_ = &frame_.gbuffer->texels[pixel];
-  const OpenPixel opened{pixel, {}};
-  if (!texel_->hit() || texel_->brdf.black() || !(max_component(texel_->throughput) > 0)) {
-    add_to_film(opened);
+  const Vec3 base = frame_.base ? (*frame_.base)[pixel] : Vec3(0);
+  return open(pixel, {&frame_.gbuffer->texels[pixel], base}, split_);
+}
+
+bool TracedWorker::reflects(const GBufferTexel& texel) {
+  return texel.hit() && !texel.brdf.black() && max_component(texel.throughput) > 0;
+}
+
+void TracedWorker::add_base(uint32_t pixel, const SeenTexel& seen, std::array<uint32_t, 2> samples) {
+  add_to_film({pixel, samples, seen.base, Vec3(0), {}});
+}
+
+bool TracedWorker::open(uint32_t pixel, const SeenTexel& seen, std::array<uint32_t, 2> samples) {
+  if (!reflects(*seen.texel)) {
+    add_base(pixel, seen, samples);
     return false;
   }
+  texel_ = seen.texel;
   basis_ = texel_->basis();
   origin_ = RayOrigin(*frame_.scene, texel_->position, texel_->geometric_normal);
-  open_[open_count_] = opened;
+  open_[open_count_] = {pixel, samples, seen.base, texel_->throughput, {}};
   return true;
 }
 
 void TracedWorker::draw(int half, RandomStream& random, float scale) {
   allocation_ = &allocations_[static_cast<size_t>(half)];
-  strata_ = nullptr;
+  strata_ = {};
   slot_ = 2 * open_count_ + static_cast<uint32_t>(half);
   scale_ = scale;
   const auto counts = allocation_->counts(random.next());
@@ -126,13 +139,14 @@ void TracedWorker::draw(int half, RandomStream& random, float scale) {
 void TracedWorker::draw_brdf(int half, uint32_t count, const DrawAllocation& allocation,
                              const StrataDensity& strata, RandomStream& random) {
   allocation_ = &allocation;
-  strata_ = &strata;
+  strata_ = strata;
   slot_ = 2 * open_count_ + static_cast<uint32_t>(half);
   scale_ = 1;
   draw_brdf_rays(count, random);
 }
 
 void TracedWorker::draw_brdf_rays(uint32_t count, RandomStream& random) {
+  if (count == 0) return;
   const auto draw_lobe = brdf_estimator_ == BrdfEstimator::whole ? sample : sample_chosen_lobe;
   ShiftedLattice lattice(random);
   for (uint32_t j = 0; j < count; ++j, lattice.advance()) {
@@ -140,81 +154,92 @@ void TracedWorker::draw_brdf_rays(uint32_t count, RandomStream& random) {
     // Light from below the surface itself is in its own shadow, whatever the shading normal says.
     if (!drawn || !(glm::dot(texel_->geometric_normal, drawn->wi) > 0)) continue;
     const Vec3 reflected = drawn->f * (glm::dot(texel_->shading_normal, drawn->wi) / drawn->pdf * scale_);
-    if (max_component(reflected) > 0) trace_brdf_ray({drawn->wi, drawn->pdf, reflected, {}}, random);
+    if (!(max_component(reflected) > 0)) continue;
+    push_brdf_ray({drawn->wi, drawn->pdf, reflected, slot_, random.next_bits(), allocation_, {}});
   }
-  finish_hits(random);
 }
 
-void TracedWorker::trace_brdf_ray(BrdfRay ray, RandomStream& random) {
-  const LightKinds& kinds = frame_.kinds;
+void TracedWorker::push_brdf_ray(const BrdfRay& ray) {
   const ShadowRay probe = shadow_ray(origin_, ray.wi, infinity);
   // Where only the environment is looked for, nothing needs to be known of what is in the way.
-  const bool needs_hit = kinds.emitters || kinds.surfaces;
-  if (needs_hit) {
-    const uint64_t start = ticks_now();
-    const bool met = frame_.rays->intersect({probe.origin_x, probe.origin_y, probe.origin_z}, ray.wi, 0,
-                                            infinity, frame_.alpha_seed, ray.hit, stats_.rays);
-    visibility_ticks_ += ticks_now() - start;
-    if (met) {
-      // What was hit lies anywhere in memory; it is looked at some rays later.
-      prefetch(&frame_.scene->triangles[ray.hit.point.triangle]);
-      hits_[hit_count_++] = ray;
-      if (hit_count_ == hits_.size()) finish_hits(random);
-      return;
-    }
+  if (!frame_.kinds.emitters && !frame_.kinds.surfaces) {
+    if (!frame_.kinds.environment) return;
+    const MetLight light = environment_met(ray);
+    return push(probe, ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::environment),
+                no_bounce);
   }
-  if (!kinds.environment) return;
-  const MetLight light = environment_met(ray);
-  const Vec3 value = ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::environment);
-  if (needs_hit)
-    open_[open_count_].sum[slot_ % 2] += value;
-  else
-    push(probe, value, no_bounce);
+  brdf_rays_.push_back(ray);
+  closest_.push_back({probe});
+  if (brdf_rays_.size() == most_brdf_rays) trace_brdf_rays();
 }
 
-void TracedWorker::finish_hits(RandomStream& random) {
+/// What was hit lies anywhere in memory: it is asked for some rays before it is looked at.
+void TracedWorker::trace_brdf_rays() {
+  if (brdf_rays_.empty()) return;
+  const uint64_t start = ticks_now();
+  frame_.rays->intersect(closest_, false, frame_.alpha_seed, stats_.rays);
+  visibility_ticks_ += ticks_now() - start;
   const Scene& scene = *frame_.scene;
-  for (size_t i = 0; i < hit_count_; ++i) prefetch_corners(scene, hits_[i].hit.point.triangle);
-  for (size_t i = 0; i < hit_count_; ++i) {
-    const BrdfRay& ray = hits_[i];
-    if (frame_.kinds.emitters) {
-      const MetLight light = emission_met(ray);
-      if (max_component(light.radiance) > 0)
-        open_[open_count_].sum[slot_ % 2] +=
-            ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::emitters);
-    }
-    if (!frame_.kinds.surfaces) continue;
-    if (const auto place = bounce_place(scene, ray.hit.point, ray.wi)) {
-      const float weight = weigh(ray, surface_pdf(ray, *place), DrawKind::surfaces);
-      light_bounce(*place, ray.reflected * weight, slot_, random.next_bits());
-    }
+  for (size_t i = 0; i < closest_.size(); ++i) {
+    if (!closest_[i].met()) continue;
+    brdf_rays_[i].hit = frame_.rays->hit_of(closest_[i]);
+    prefetch(&scene.triangles[brdf_rays_[i].hit.point.triangle]);
   }
-  hit_count_ = 0;
+  for (size_t i = 0; i < closest_.size(); ++i)
+    if (closest_[i].met()) prefetch_corners(scene, brdf_rays_[i].hit.point.triangle);
+  for (size_t i = 0; i < closest_.size(); ++i) {
+    if (closest_[i].met())
+      add_hit(brdf_rays_[i]);
+    else if (frame_.kinds.environment)
+      add_environment_met(brdf_rays_[i]);
+  }
+  brdf_rays_.clear(), closest_.clear();
+}
+
+void TracedWorker::add_environment_met(const BrdfRay& ray) {
+  const MetLight light = environment_met(ray);
+  open_[ray.slot / 2].sum[ray.slot % 2] +=
+      ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::environment);
+}
+
+void TracedWorker::add_hit(const BrdfRay& ray) {
+  if (frame_.kinds.emitters) {
+    const MetLight light = emission_met(ray);
+    if (max_component(light.radiance) > 0)
+      open_[ray.slot / 2].sum[ray.slot % 2] +=
+          ray.reflected * light.radiance * weigh(ray, light.pdf, DrawKind::emitters);
+  }
+  if (!frame_.kinds.surfaces) return;
+  if (const auto place = bounce_place(*frame_.scene, ray.hit.point, ray.wi)) {
+    const float weight = weigh(ray, surface_pdf(ray, *place), DrawKind::surfaces);
+    light_bounce(*place, ray.reflected * weight, ray.slot, ray.key);
+  }
 }
 
 MetLight TracedWorker::environment_met(const BrdfRay& ray) const {
-  if (!strata_) return met_environment(lights_, ray.wi);
+  if (!strata_.lights) return met_environment(lights_, ray.wi);
   return {environment_radiance(frame_.scene->environment, ray.wi),
-          strata_->of(strata_->lights->met_environment(ray.wi))};
+          strata_.of(strata_.lights->met_environment(ray.wi))};
 }
 
 MetLight TracedWorker::emission_met(const BrdfRay& ray) const {
   MetLight light = met_emission(lights_, ray.hit, ray.wi);
-  if (!strata_ || !(max_component(light.radiance) > 0)) return light;
+  if (!strata_.lights || !(max_component(light.radiance) > 0)) return light;
   const Vec3 cross = triangle_cross(*frame_.scene, ray.hit.point.triangle);
   const float cos_light = -glm::dot(cross, ray.wi) / std::max(glm::length(cross), 1e-37f);
-  const float density = strata_->of(strata_->lights->met_emitter(ray.hit.point, cos_light > 0));
+  const float density = strata_.of(strata_.lights->met_emitter(ray.hit.point, cos_light > 0));
   return {light.radiance, area_to_solid_angle(density, ray.hit.distance, std::abs(cos_light))};
 }
 
 float TracedWorker::surface_pdf(const BrdfRay& ray, const BouncePlace& place) const {
-  if (!strata_) return place.pdf(lights_, ray.hit.distance);
-  const float density = strata_->of(strata_->lights->met_surface(ray.hit.point, place.front));
+  if (!strata_.lights) return place.pdf(lights_, ray.hit.distance);
+  const float density = strata_.of(strata_.lights->met_surface(ray.hit.point, place.front));
   return area_to_solid_angle(density, ray.hit.distance, place.cos_light);
 }
 
 float TracedWorker::weigh(const BrdfRay& ray, float light_pdf, DrawKind kind) const {
-  return balance_over_n(expected(DrawKind::brdf), ray.pdf, expected(kind), light_pdf);
+  return balance_over_n(ray.allocation->expected(DrawKind::brdf), ray.pdf, ray.allocation->expected(kind),
+                        light_pdf);
 }
 
 void TracedWorker::add_light_sample(const IncidentSample& light, DrawKind kind) {
@@ -366,6 +391,7 @@ void TracedWorker::close() {
 }
 
 void TracedWorker::finish() {
+  trace_brdf_rays();
   if (!rays_.empty()) trace_first();
   if (!bounce_rays_.empty()) trace_second();
   const uint64_t start = ticks_now();
@@ -375,17 +401,16 @@ void TracedWorker::finish() {
 }
 
 void TracedWorker::add_to_film(const OpenPixel& pixel) {
-  const Vec3 base = frame_.base ? (*frame_.base)[pixel.index] : Vec3(0);
-  const Vec3d throughput(frame_.gbuffer->texels[pixel.index].throughput);
+  const Vec3d throughput(pixel.throughput);
   for (int half = 0; half < 2; ++half)
-    if (split_[half] > 0)
-      film_.add(pixel.index, half, base + Vec3(throughput * pixel.sum[half]), split_[half]);
+    if (pixel.samples[half] > 0)
+      film_.add(pixel.index, half, pixel.base + Vec3(throughput * pixel.sum[half]), pixel.samples[half]);
 }
 
 void TracedWorker::begin_tile() {
   tile_watch_ = Stopwatch();
   tile_start_ticks_ = ticks_now();
-  distribution_ticks = visibility_ticks_ = resolve_ticks_ = 0;
+  distribution_ticks = gbuffer_ticks = visibility_ticks_ = resolve_ticks_ = 0;
 }
 
 void TracedWorker::end_tile() {
@@ -393,17 +418,19 @@ void TracedWorker::end_tile() {
   const double seconds = tile_watch_.seconds(), unit = seconds / ticks;
   const double visibility = static_cast<double>(visibility_ticks_) * unit,
                resolve = static_cast<double>(resolve_ticks_) * unit,
-               distribution = static_cast<double>(distribution_ticks) * unit;
+               distribution = static_cast<double>(distribution_ticks) * unit,
+               gbuffer = static_cast<double>(gbuffer_ticks) * unit;
   stats_.distribution_seconds += distribution;
   stats_.visibility_seconds += visibility;
   stats_.resolve_seconds += resolve;
-  stats_.sampling_seconds += std::max(seconds - visibility - resolve - distribution, 0.0);
+  stats_.gbuffer_seconds += gbuffer;
+  stats_.sampling_seconds += std::max(seconds - visibility - resolve - distribution - gbuffer, 0.0);
 }
 
 PassStats run_traced_pass(const FrameView& frame, const PassRequest& request, Film& film,
                           const LightSources& lights, const TracedParameters& parameters) {
   const std::array<uint32_t, 2> split = split_samples(request);
-  return run_traced_tiles(
+  return run_traced_pixels(
       frame, request, [&] { return TracedWorker(frame, request, film, lights, parameters, split); },
       [&](TracedWorker& worker, uint32_t, RandomStream& random) {
         for (int half = 0; half < 2; ++half)

@@ -9,6 +9,7 @@
 #include "techniques/learned_lights.h"
 #include "techniques/learned_visibility.h"
 #include "techniques/pixel_loop.h"
+#include "techniques/pixel_positions.h"
 #include "techniques/traced_light.h"
 
 namespace halflight {
@@ -60,15 +61,14 @@ struct TracedParameters {
 /// Where light samples come from a distribution over strata: what it is at the pixel in hand.
 struct StrataDensity {
   const LearnedLights* lights = nullptr;
-  const TileCut* cut = nullptr;
-  const CutDistribution* distribution = nullptr;  ///< over the cut; null: no light samples
+  const CutDistribution* distribution = nullptr;  ///< over the lights' cut; null: no light samples
 
   /// Density per area (at infinity, per solid angle) with which light samples fall there.
   float of(const std::optional<LearnedLights::Met>& met) const {
     if (!met || !distribution) return 0;
-    const uint32_t cluster = cut->cluster_of(met->leaf);
-    if (cluster == TileCut::none) return 0;
-    return static_cast<float>(distribution->probability(cut->cut(), cluster, met->leaf)) / met->measure;
+    const uint32_t cluster = lights->cluster_of(met->leaf);
+    if (cluster == LearnedLights::none) return 0;
+    return static_cast<float>(distribution->probability(lights->cut(), cluster, met->leaf)) / met->measure;
   }
 };
 
@@ -79,16 +79,26 @@ class TracedWorker {
   TracedWorker(const FrameView&, const PassRequest&, Film&, const LightSources&, const TracedParameters&,
                std::array<uint32_t, 2> samples);
 
-  /// Starts a pixel. False: no light can be reflected there, and the pixel has got its base alone.
+  /// Starts a pixel as the frame's G-buffer has it. False: no light can be reflected there, and the pixel has
+  /// got its base alone.
   bool open(uint32_t pixel);
+  /// Starts a pixel as it is seen from some position, with what each half's samples there count.
+  bool open(uint32_t pixel, const SeenTexel&, std::array<uint32_t, 2> samples);
+  /// Whether light can be reflected there at all.
+  static bool reflects(const GBufferTexel&);
+  /// Adds what the picture holds without the technique's part.
+  void add_base(uint32_t pixel, const SeenTexel&, std::array<uint32_t, 2> samples);
   const GBufferTexel& texel() const { return *texel_; }
   const Basis& basis() const { return basis_; }
   const RayOrigin& origin() const { return origin_; }
 
   /// All draws of a half: adds `scale` times an estimate of the pixel's light of `frame.kinds`.
   void draw(int half, RandomStream&, float scale = 1);
-  /// BRDF rays alone, weighed beside light samples from strata.
+  /// BRDF rays alone, weighed beside light samples from strata. They are traced later: the allocation must
+  /// stay, and the distribution until `trace_brdf_rays`.
   void draw_brdf(int half, uint32_t count, const DrawAllocation&, const StrataDensity&, RandomStream&);
+  /// Traces the BRDF rays that wait.
+  void trace_brdf_rays();
   /// `value` is added where nothing blocks the ray; `visibility`, where given, learns whether it arrived.
   void add_ray(const ShadowRay&, Vec3 value, int half, VisibilityCount* visibility = nullptr);
 
@@ -101,16 +111,18 @@ class TracedWorker {
   void end_tile();
   PassStats& stats() { return stats_; }
 
-  /// Ticks that the caller spent on distributions since `begin_tile`.
-  uint64_t distribution_ticks = 0;
+  /// Ticks that the caller spent on distributions and on finding surfaces since `begin_tile`.
+  uint64_t distribution_ticks = 0, gbuffer_ticks = 0;
 
  private:
   static constexpr uint32_t most_pixels = 64;
-  static constexpr size_t enough_rays = 512, most_rays = 1024;
+  static constexpr size_t enough_rays = 512, most_rays = 1024, most_brdf_rays = 128;
   static constexpr uint32_t no_bounce = 0xffffffffu;
 
   struct OpenPixel {
     uint32_t index;
+    std::array<uint32_t, 2> samples;
+    Vec3 base, throughput;
     std::array<Vec3d, 2> sum;
   };
   struct Waiting {
@@ -129,12 +141,16 @@ class TracedWorker {
     Vec3 wi;
     float pdf;
     Vec3 reflected;
+    uint32_t slot;  ///< 2 · open pixel + half
+    uint64_t key;   ///< of the random numbers at what it meets
+    const DrawAllocation* allocation;
     RayHit hit;
   };
 
   void draw_brdf_rays(uint32_t count, RandomStream&);
-  void trace_brdf_ray(BrdfRay, RandomStream&);
-  void finish_hits(RandomStream&);
+  void push_brdf_ray(const BrdfRay&);
+  void add_environment_met(const BrdfRay&);
+  void add_hit(const BrdfRay&);
   MetLight environment_met(const BrdfRay&) const;
   MetLight emission_met(const BrdfRay&) const;
   float surface_pdf(const BrdfRay&, const BouncePlace&) const;
@@ -167,15 +183,14 @@ class TracedWorker {
   RayOrigin origin_;
   // Of the draws in hand.
   const DrawAllocation* allocation_ = nullptr;
-  const StrataDensity* strata_ = nullptr;  ///< null: light samples come from the sources themselves
+  StrataDensity strata_;  ///< without lights: light samples come from the sources themselves
   float scale_ = 1;
   uint32_t slot_ = 0;
 
-  std::array<BrdfRay, 16> hits_;  ///< not looked at yet
-  size_t hit_count_ = 0;
-
   std::array<OpenPixel, most_pixels> open_;
   uint32_t open_count_ = 0;
+  std::vector<BrdfRay> brdf_rays_;  ///< not traced yet
+  std::vector<ClosestRay> closest_;
   std::vector<ShadowRay> rays_, bounce_rays_;
   std::vector<Waiting> waiting_, bounce_waiting_;
   std::vector<WaitingBounce> bounces_;
@@ -185,11 +200,10 @@ class TracedWorker {
   uint64_t tile_start_ticks_ = 0, visibility_ticks_ = 0, resolve_ticks_ = 0;
 };
 
-/// Runs `render_pixel(worker, pixel, random)` for each pixel that reflects light, on all cores, with workers
-/// one a thread.
-template <class MakeWorker, class RenderPixel>
+/// Runs `render_tile(worker, pixels)` for each tile on all cores, with workers one a thread.
+template <class MakeWorker, class RenderTile>
 PassStats run_traced_tiles(const FrameView& frame, const PassRequest& request, const MakeWorker& make_worker,
-                           const RenderPixel& render_pixel) {
+                           const RenderTile& render_tile) {
   tbb::enumerable_thread_specific<TracedWorker> workers(make_worker);
   const TileGrid grid(*frame.gbuffer, request);
   parallel_for(0, grid.tile_count(), 1, [&](size_t begin, size_t end) {
@@ -202,12 +216,7 @@ PassStats run_traced_tiles(const FrameView& frame, const PassRequest& request, c
       }
       const uint32_t count = grid.pixels(static_cast<uint32_t>(tile), pixels);
       worker.begin_tile();
-      for (uint32_t i = 0; i < count; ++i) {
-        if (!worker.open(pixels[i])) continue;
-        RandomStream random = pixel_stream(frame, request, pixels[i]);
-        render_pixel(worker, pixels[i], random);
-        worker.close();
-      }
+      render_tile(worker, std::span<const uint32_t>(pixels.data(), count));
       worker.finish();
       worker.end_tile();
     }
@@ -215,6 +224,21 @@ PassStats run_traced_tiles(const FrameView& frame, const PassRequest& request, c
   PassStats stats;
   for (TracedWorker& worker : workers) stats += worker.stats();
   return stats;
+}
+
+/// The same, calling `render_pixel(worker, pixel, random)` for each pixel that reflects light.
+template <class MakeWorker, class RenderPixel>
+PassStats run_traced_pixels(const FrameView& frame, const PassRequest& request, const MakeWorker& make_worker,
+                            const RenderPixel& render_pixel) {
+  return run_traced_tiles(frame, request, make_worker,
+                          [&](TracedWorker& worker, std::span<const uint32_t> pixels) {
+                            for (const uint32_t pixel : pixels) {
+                              if (!worker.open(pixel)) continue;
+                              RandomStream random = pixel_stream(frame, request, pixel);
+                              render_pixel(worker, pixel, random);
+                              worker.close();
+                            }
+                          });
 }
 
 /// A pass in which each pixel takes the request's draws once.

@@ -1,6 +1,7 @@
 // The G-buffer by rays, and lighting of surface points by rays.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/errors.h"
@@ -14,6 +15,12 @@ namespace halflight {
 
 /// Fills the G-buffer through pixel centres moved by `jitter` (in pixels, each in [−½, ½)).
 void trace_gbuffer(const RayScene&, const Camera&, Vec2 jitter, uint32_t alpha_seed, GBuffer&, RayCounters&);
+
+/// What neighbouring rays of a camera see, on one thread. `rays` is overwritten.
+void trace_texels(const RayScene&, std::span<ClosestRay> rays, uint32_t alpha_seed,
+                  std::span<GBufferTexel> texels, RayCounters&);
+/// A camera's ray as `trace_texels` takes it.
+ClosestRay closest_ray(const CameraRay&);
 
 /// Which light reaches the bounce points.
 struct PointLighting {
@@ -35,6 +42,9 @@ std::vector<Vec3> irradiance_by_rays(const RayScene&, const EnvironmentSampler&,
 /// D_punctual at each pixel by one shadow ray a light: f · cos θ · E, added to `radiance` (one a pixel).
 void add_punctual_by_rays(const RayScene&, const GBuffer&, uint32_t alpha_seed, std::vector<Vec3>& radiance,
                           RayCounters&);
+/// The same for some texels, on one thread.
+void add_punctual_by_rays(const RayScene&, std::span<const GBufferTexel>, uint32_t alpha_seed,
+                          std::span<Vec3> radiance, RayCounters&);
 
 /// Light a scene needs to be seen: with none at all, a lamp at the ceiling where the camera stands enclosed
 /// (few rays escape), else the built-in sky. Notes what it added in the facts and as a message.

@@ -22,6 +22,13 @@ static_assert(sizeof(ShadowRay) == sizeof(RTCRay) &&
               offsetof(ShadowRay, id) == offsetof(RTCRay, id) &&
               offsetof(ShadowRay, flags) == offsetof(RTCRay, flags));
 
+static_assert(sizeof(ClosestRay) == sizeof(RTCRayHit) &&
+              offsetof(ClosestRay, normal_x) == offsetof(RTCRayHit, hit) + offsetof(RTCHit, Ng_x) &&
+              offsetof(ClosestRay, u) == offsetof(RTCRayHit, hit) + offsetof(RTCHit, u) &&
+              offsetof(ClosestRay, primitive) == offsetof(RTCRayHit, hit) + offsetof(RTCHit, primID) &&
+              offsetof(ClosestRay, geometry) == offsetof(RTCRayHit, hit) + offsetof(RTCHit, geomID) &&
+              offsetof(ClosestRay, instance) == offsetof(RTCRayHit, hit) + offsetof(RTCHit, instID));
+
 // Embree's own bound on what it multiplies without overflow (its assertions abort beyond it).
 constexpr float largest_coordinate = 1.84e18f;
 
@@ -34,10 +41,25 @@ bool valid(const ShadowRay& ray) {
   return bool(place & way & (ray.near_distance >= 0) & (ray.far_distance >= ray.near_distance));
 }
 
-/// Embree 3's ray streams sort rays by the signs of their directions, but put +1e-18 in the place of components
-/// smaller than that: of a small negative one the two disagree, and the ray, with others of its packet, passes
-/// through everything. So far below the last place of a unit vector a component is nothing.
+/// Embree 3's ray streams sort rays by the signs of their directions, but put +1e-18 in the place of
+/// components smaller than that: of a small negative one the two disagree, and the ray, with others of its
+/// packet, passes through everything. So far below the last place of a unit vector a component is nothing.
 float without_traces(float component) { return std::abs(component) < 1e-17f ? 0.0f : component; }
+
+/// Makes a ray one that Embree takes; of an invalid one, which gives false, one that ends at once and counts
+/// as blocked already.
+bool make_traceable(ShadowRay& ray) {
+  const bool good = valid(ray);
+  ray.direction_x = without_traces(ray.direction_x);
+  ray.direction_y = without_traces(ray.direction_y);
+  ray.direction_z = without_traces(ray.direction_z);
+  if (!good) {
+    ray.origin_x = ray.origin_y = ray.origin_z = ray.near_distance = 0;
+    ray.direction_x = ray.direction_y = 0, ray.direction_z = 1;
+    ray.far_distance = -infinity;
+  }
+  return good;
+}
 
 /// What the alpha filter needs about the geometry it is called for.
 struct AlphaGeometry {
@@ -188,22 +210,40 @@ bool RayScene::intersect(Vec3 origin, Vec3 direction, float near_distance, float
   return true;
 }
 
+RayHit RayScene::hit_of(const ClosestRay& ray) const {
+  const AlphaGeometry& geometry = ray.geometry == 0 ? impl_->opaque : impl_->filtered;
+  return {ray.ray.far_distance, {geometry.triangles[ray.primitive], {ray.u, ray.v}}};
+}
+
+void RayScene::intersect(std::span<ClosestRay> rays, bool coherent, uint32_t alpha_seed,
+                         RayCounters& counters) const {
+  if (rays.empty()) return;
+  uint64_t rejected = 0;
+  for (ClosestRay& ray : rays) rejected += !make_traceable(ray.ray);
+  counters.rejected += rejected;
+  counters.closest += rays.size() - rejected;
+  SeededContext context;
+  init_context(context.embree);
+  context.alpha_seed = alpha_seed;
+#if RTC_VERSION_MAJOR >= 4
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &context.embree;
+  arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+  for (ClosestRay& ray : rays)
+    rtcIntersect1(impl_->embree_scene.get(), reinterpret_cast<RTCRayHit*>(&ray), &arguments);
+#else
+  context.embree.flags =
+      coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  rtcIntersect1M(impl_->embree_scene.get(), &context.embree, reinterpret_cast<RTCRayHit*>(rays.data()),
+                 static_cast<unsigned>(rays.size()), sizeof(ClosestRay));
+#endif
+}
+
 void RayScene::occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCounters& counters) const {
   if (rays.empty()) return;
   uint64_t rejected = 0;
-  for (ShadowRay& ray : rays) {
-    const bool good = valid(ray);
-    rejected += !good;
-    ray.direction_x = without_traces(ray.direction_x);
-    ray.direction_y = without_traces(ray.direction_y);
-    ray.direction_z = without_traces(ray.direction_z);
-    if (!good) {
-      // A ray Embree takes and ends at once; blocked already.
-      ray.origin_x = ray.origin_y = ray.origin_z = ray.near_distance = 0;
-      ray.direction_x = ray.direction_y = 0, ray.direction_z = 1;
-      ray.far_distance = -infinity;
-    }
-  }
+  for (ShadowRay& ray : rays) rejected += !make_traceable(ray);
   counters.rejected += rejected;
   counters.visibility += rays.size() - rejected;
 

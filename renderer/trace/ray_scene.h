@@ -25,6 +25,15 @@ struct alignas(16) ShadowRay {
   bool blocked() const { return far_distance < 0; }
 };
 
+/// A ray for its closest hit, laid out as Embree's RTCRayHit.
+struct ClosestRay {
+  ShadowRay ray;  ///< `far_distance` is the hit's afterwards
+  float normal_x = 0, normal_y = 0, normal_z = 0, u = 0, v = 0;
+  uint32_t primitive = ~0u, geometry = ~0u, instance = ~0u;
+
+  bool met() const { return geometry != ~0u; }
+};
+
 struct RayCounters {
   uint64_t visibility = 0, closest = 0, rejected = 0;
   RayCounters& operator+=(const RayCounters& o) {
@@ -50,6 +59,12 @@ class RayScene {
   bool intersect(Vec3 origin, Vec3 direction, float near_distance, float far_distance, uint32_t alpha_seed,
                  RayHit& hit, RayCounters&) const;
 
+  /// The same of a batch, in place: `met()` tells afterwards. Rays of a camera's neighbouring pixels are
+  /// `coherent`.
+  void intersect(std::span<ClosestRay> rays, bool coherent, uint32_t alpha_seed, RayCounters&) const;
+  /// What a traced ray met.
+  RayHit hit_of(const ClosestRay&) const;
+
   /// Traces a batch in place: `blocked()` tells afterwards. Invalid rays are blocked and counted as rejected.
   void occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCounters&) const;
 
@@ -74,8 +89,8 @@ struct RayOrigin {
   }
 };
 
-/// Ray towards wi, `distance` long (infinity: to the end). The far end stops short of the light's own surface:
-/// by the offset, and by the rounding of a long ray.
+/// Ray towards wi, `distance` long (infinity: to the end). The far end stops short of the light's own
+/// surface: by the offset, and by the rounding of a long ray.
 inline ShadowRay shadow_ray(const RayOrigin& from, Vec3 wi, float distance) {
   const Vec3 origin = glm::dot(from.normal, wi) >= 0 ? from.front : from.back;
   // Of infinity this leaves infinity.

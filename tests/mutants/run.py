@@ -14,7 +14,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 COPIED = ["CMakeLists.txt", "app", "assets", "cmake", "renderer", "shaders", "tests"]
 
-HALFLIGHT = ("techniques_halflight", "*OneDensity*:*KeepTheMean*")
+HALFLIGHT = ("techniques_halflight", "*OneDensity*:*KeepTheMean*:*ShineInSpots*")
 DISTRIBUTION = ("lights_cut_distribution", "*")
 CONTRACT = ("techniques_contract", "*EveryLights*:*DrawsFollow*")
 TRACED = ("techniques_traced", "*")
@@ -48,15 +48,10 @@ MUTANTS = [
         ("renderer/techniques/learned_lights.cpp",
          "  for (size_t i = 0; i < set.size(); ++i) lights_[i] = set[tree_.original[i]];\n",
          """  for (size_t i = 0; i < set.size(); ++i) lights_[i] = set[tree_.original[i]];
-  std::vector<Vec3> radiances;
-  for (const VirtualLight& light : set) radiances.push_back(light.radiance);
-  relight(tree_, radiances);
-  relight(tree_, smoothed_radiances(tree_));
-  cut_ = illumination_cut(tree_, cut_settings(*frame.settings));
-"""),
-        ("renderer/techniques/halflight.cpp", "  lights_->draw_set(frame, request.pass, rays, counters);\n",
-         """  lights_->draw_set(frame, request.pass, rays, counters);
-  visibility_ = LearnedVisibility(width, height, lights_->cut().padded_size());
+  seen_ = {};
+  see(set, seen_);
+  use_powers();
+  refresh_cut(tree_, cut_);
 """),
     ], [HALFLIGHT]),
     ("another-p-discrete", "leaves drawn by power, weighed as if alike", [
@@ -65,8 +60,8 @@ MUTANTS = [
          "uniform_weight(tables.total, draws[j].share, cut.end[k] - cut.begin[k])"),
     ], [DISTRIBUTION, CONTRACT]),
     ("another-p-continuous", "what rays meet is weighed as if leaves were drawn alike", [
-        ("renderer/techniques/traced_loop.h", "distribution->probability(cut->cut(), cluster, met->leaf)",
-         "distribution->cluster_probability(cluster) / (cut->cut().end[cluster] - cut->cut().begin[cluster])"),
+        ("renderer/techniques/traced_loop.h", "distribution->probability(lights->cut(), cluster, met->leaf)",
+         "distribution->cluster_probability(cluster) /\n                              (lights->cut().end[cluster] - lights->cut().begin[cluster])"),
     ], [HALFLIGHT]),
     ("no-cosine-of-light", "a light's own cosine is missing in the sum", [
         ("renderer/techniques/connection_batch.cpp", "(faces > 0.0f ? faces : 0.0f)", "(faces > 0.0f ? 1.0f : 0.0f)"),
@@ -170,7 +165,7 @@ def try_mutant(source, build, mutant):
 
 
 def main():
-    if len(sys.argv) < 2:
+    if len(sys.argv) < 2 or sys.argv[1].startswith("-"):
         sys.exit(__doc__)
     folder = pathlib.Path(sys.argv[1]).resolve()
     source, build = folder / "source", folder / "build"

@@ -34,6 +34,7 @@ struct TechniqueCase {
   /// Whether all pixels of a round share their lights, and little else: then tiles err together, and their z
   /// do not spread as independent ones do.
   bool shares_lights = false;
+  uint32_t samples = 1;  ///< of a round, in units of the run's: several look through positions of their own
 };
 
 class ContinuousTarget : public testing::TestWithParam<SceneCase> {
@@ -61,8 +62,8 @@ class ContinuousTarget : public testing::TestWithParam<SceneCase> {
 };
 
 std::vector<TechniqueCase> techniques_to_compare(bool full) {
-  if (!full) return {{"halflight", 32}, {"mis", 32}};
-  return {{"halflight", 64}, {"mis", 64}, {"brdf", 32}, {"bidirectional", 32, true}};
+  if (!full) return {{"halflight", 8, false, 4}, {"mis", 32}};
+  return {{"halflight", 16, false, 4}, {"mis", 64}, {"brdf", 32}, {"bidirectional", 32, true}};
 }
 
 TEST_P(ContinuousTarget, TilesHaveTheMeansOfThePathTracer) {
@@ -83,7 +84,8 @@ TEST_P(ContinuousTarget, TilesHaveTheMeansOfThePathTracer) {
   const SeedMeans truth = run_seeds(session, camera, "path", path_run, 1000);
   for (const TechniqueCase& technique : techniques_to_compare(full())) {
     TileRun run = path_run;
-    run.rounds = technique.rounds, run.samples = full() ? std::max(2u, c.effort / 2) : 2;
+    run.rounds = technique.rounds,
+    run.samples = technique.samples * (full() ? std::max(2u, c.effort / 2) : 2);
     const TileVerdict verdict = compare_tiles(run_seeds(session, camera, technique.id, run, 1), truth);
     const std::string line = fmt::format(
         "{:<16} {:<14} {:>4} tiles  largest |z| {:.2f}  RMS z {:.3f}  mean {:+.3f} % ± {:.3f}  tile error "
