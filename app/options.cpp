@@ -249,6 +249,11 @@ const OptionInfo table[] = {
      "measure against this picture; else discrete: brute force, kept in a cache, continuous: a long run",
      of_races, set_text<&Options::reference>, false, true},
 
+    {"no-discretisation", "", "", "", race_group, "",
+     "discrete target: leave out how far its sum is from the integral, which takes as long as the race at "
+     "most",
+     of_races, set_switch<&Options::no_discretisation>},
+
     {"quick", "", "", "", race_group, "",
      "small pictures and few samples: to see that all is in place, not to measure",
      of_experiments | of_stress, set_switch<&Options::quick>},

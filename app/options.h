@@ -64,7 +64,8 @@ struct Options {
   uint32_t seeds = 5;
   bool seeds_given = false;    ///< else a stress case has its own
   bool budgets_given = false;  ///< else an experiment has its own
-  bool quick = false;          ///< experiments, stress: small pictures and few samples
+  bool no_discretisation = false;
+  bool quick = false;  ///< experiments, stress: small pictures and few samples
 
   // Display: PNG and window only.
   std::optional<float> ev;

@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/stopwatch.h"
+#include "core/vector_bytes.h"
 #include "trace/ray_gbuffer.h"
 
 namespace halflight {
@@ -77,6 +78,11 @@ struct Session::Impl {
   void prepare_lights();
   void leave_lights_out();
   void prepare_gbuffer();
+  void light_gbuffer(uint32_t alpha_seed);
+  void draw_shadow_maps();
+  void drop_what_is_left_out();
+  void count_call(Stage, double seconds = 0);
+  void count_held(const PassStats&);
   std::vector<Vec3> irradiance(const std::vector<BouncePoint>& points, uint64_t seed);
   FrameView view() const;
 
@@ -102,6 +108,7 @@ struct Session::Impl {
   bool lights_are_made = false;  ///< `lights` holds S
   bool frame_is_drawn = false;   ///< continuous target: S and pixel grid of `drawn_round` are in place
   uint32_t drawn_round = 0;
+  uint64_t alpha_tests_known = 0;  ///< of `stats.rays`, those that the stage's counter has
 };
 
 Session::Session(Scene scene, const RenderSettings& settings, Messages& messages) {
@@ -110,11 +117,12 @@ Session::Session(Scene scene, const RenderSettings& settings, Messages& messages
   HALFLIGHT_CHECK(!impl_->scene.cameras.empty());
   find_technique(settings.technique);
   complete_lights(impl_->scene, messages);
-  impl_->rays = std::make_unique<RayScene>(impl_->scene);
+  impl_->rays = std::make_unique<RayScene>(impl_->scene, settings.forced.has(Stage::alpha_filter));
   impl_->camera = impl_->scene.cameras.front();
   impl_->film = Film(settings.width, settings.height);
   impl_->open_backend();
   impl_->replan();
+  impl_->stats.stages[Stage::animation].calls = impl_->scene.facts.animations;
   impl_->stats.seconds.load = watch.seconds();
 }
 
@@ -171,8 +179,43 @@ void Session::Impl::drop_rasterizer(const std::string& why) {
 void Session::Impl::replan() {
   const std::string raster =
       gl ? fmt::format("OpenGL {} ({}, {})", gl->version, gl->backend, gl->renderer) : "";
-  plan = make_plan(scene_needs(scene), find_technique(settings.technique), target(), settings.light, raster,
-                   why_backend);
+  plan = make_plan(scene_needs(scene),
+                   {find_technique(settings.technique), target(), settings.light, settings.values, raster,
+                    why_backend, settings.forced, settings.pixel_centres});
+  drop_what_is_left_out();
+}
+
+/// A stage that is out holds nothing; when it comes back, it begins anew.
+void Session::Impl::drop_what_is_left_out() {
+  if (!plan.gbuffer) gbuffer = GBuffer(), base = std::vector<Vec3>(), stale.gbuffer = true;
+  if (rasterizer && !plan.shadow_maps) rasterizer->drop_shadow_maps(), stale.shadows = true;
+  if (rasterizer && !plan.runs.has(Stage::gpu_environment)) rasterizer->drop_filtered();
+  for (size_t i = 0; i < stage_count; ++i)
+    if (const Stage stage = static_cast<Stage>(i); !plan.runs.has(stage)) stats.stages[stage] = {};
+}
+
+void Session::Impl::count_call(Stage stage, double seconds) {
+  ++stats.stages[stage].calls;
+  stats.stages[stage].seconds += seconds;
+}
+
+/// Takes stock: bytes are those of now, whoever holds them.
+void Session::Impl::count_held(const PassStats& pass) {
+  StageCounters held;
+  if (lights_are_made) held += lights.counters();
+  if (plan.gbuffer) held[Stage::gbuffer].bytes = vector_bytes(gbuffer.texels, base);
+  held[Stage::alpha_filter].bytes = rays->alpha_bytes();
+  if (rasterizer) held[Stage::shadow_maps].bytes = rasterizer->shadow_map_bytes();
+  if (rasterizer) held[Stage::gpu_environment].bytes = rasterizer->filtered_bytes();
+  if (technique) technique->count_held(view(), held);
+  for (size_t i = 0; i < stage_count; ++i) {
+    const auto stage = static_cast<Stage>(i);
+    StageCounter& counter = stats.stages[stage];
+    counter.calls += pass.stages[stage].calls;
+    counter.bytes = held[stage].bytes + pass.stages[stage].bytes;
+  }
+  stats.stages[Stage::alpha_filter].calls += stats.rays.alpha_tests - alpha_tests_known;
+  alpha_tests_known = stats.rays.alpha_tests;
 }
 
 std::vector<Vec3> Session::Impl::irradiance(const std::vector<BouncePoint>& points, uint64_t seed) {
@@ -182,29 +225,43 @@ std::vector<Vec3> Session::Impl::irradiance(const std::vector<BouncePoint>& poin
   lighting.seed = seed;
   std::vector<Vec3> result = irradiance_by_rays(*rays, points, lighting, stats.rays);
   if (plan.shadow_maps) {
-    if (stale.shadows) rasterizer->update_shadow_maps();
-    stale.shadows = false;
+    draw_shadow_maps();
     const std::vector<Vec3> punctual = rasterizer->light_points(points);
     for (size_t i = 0; i < result.size(); ++i) result[i] += punctual[i];
   }
+  // Points that are there by force send nothing: the picture must stay what it is.
+  if (!plan.kinds.surfaces) result.assign(result.size(), Vec3(0));
   return result;
+}
+
+void Session::Impl::draw_shadow_maps() {
+  if (!stale.shadows) return;
+  Stopwatch watch;
+  rasterizer->update_shadow_maps();
+  stale.shadows = false;
+  count_call(Stage::shadow_maps, watch.seconds());
 }
 
 void Session::Impl::prepare_lights() {
   if (!plan.light_set) return leave_lights_out();
-  const bool redraw = plan.antialiased && !frame_is_drawn;
+  const bool redraw = plan.redraws && !frame_is_drawn;
   if (!stale.points && !stale.lights && !redraw) return;
   Stopwatch watch;
-  const uint64_t pass_seed = plan.antialiased ? hash_combine(settings.seed, round + 1) : 0;
+  const uint64_t pass_seed = plan.redraws ? hash_combine(settings.seed, round + 1) : 0;
   const uint64_t lighting_seed =
-      plan.antialiased ? pass_seed : static_cast<uint64_t>(settings.values.get("lights.seed"));
+      plan.redraws ? pass_seed : static_cast<uint64_t>(settings.values.get("lights.seed"));
   const LightPointsFunction light_points = [&](const std::vector<BouncePoint>& points) {
     return irradiance(points, lighting_seed);
   };
   if (stale.points || redraw)
-    lights.build(scene, plan.kinds, settings.values, pass_seed, light_points);
+    lights.build(scene, plan.set_kinds, settings.values, plan.cut, pass_seed, light_points);
   else
-    lights.relight(scene, settings.values, light_points);
+    lights.relight(scene, settings.values, plan.cut, light_points);
+  for (size_t i = 0; i < stage_count; ++i) {
+    const auto stage = static_cast<Stage>(i);
+    stats.stages[stage].calls += lights.counters()[stage].calls;
+    stats.stages[stage].seconds += lights.counters()[stage].seconds;
+  }
   stale.points = stale.lights = false;
   stale.technique = lights_are_made = true;
   stats.light_count = static_cast<uint32_t>(lights.tree().lights.size());
@@ -221,7 +278,8 @@ void Session::Impl::leave_lights_out() {
 }
 
 void Session::Impl::prepare_gbuffer() {
-  if (!plan.gbuffer || (!stale.gbuffer && !(plan.antialiased && !frame_is_drawn))) return;
+  const bool again = plan.runs.has(Stage::antialiasing) && !frame_is_drawn;
+  if (!plan.gbuffer || (!stale.gbuffer && !again)) return;
   Stopwatch watch;
   gbuffer.resize(settings.width, settings.height);
   const Vec2 jitter = plan.antialiased ? pixel_jitter(round, settings.seed) : Vec2(0);
@@ -230,20 +288,26 @@ void Session::Impl::prepare_gbuffer() {
     rasterizer->draw_gbuffer(camera, jitter, alpha_seed, gbuffer);
   else
     trace_gbuffer(*rays, camera, jitter, alpha_seed, gbuffer, stats.rays);
+  count_call(Stage::gbuffer, watch.seconds());
+  if (plan.runs.has(Stage::antialiasing)) count_call(Stage::antialiasing);
 
   base.assign(gbuffer.pixel_count(), Vec3(0));
   if (plan.show_emission)
     for (size_t i = 0; i < base.size(); ++i)
       base[i] = gbuffer.texels[i].emission * gbuffer.texels[i].throughput;
-  if (plan.direct_punctual && plan.shadow_maps) {
-    if (stale.shadows) rasterizer->update_shadow_maps();
-    stale.shadows = false;
-    rasterizer->add_punctual(gbuffer, base);
-  } else if (plan.direct_punctual) {
-    add_punctual_by_rays(*rays, gbuffer, alpha_seed, base, stats.rays);
-  }
+  if (plan.direct_punctual) light_gbuffer(alpha_seed);
   stale.gbuffer = false;
   stats.seconds.raster += watch.seconds();
+}
+
+void Session::Impl::light_gbuffer(uint32_t alpha_seed) {
+  if (plan.shadow_maps) draw_shadow_maps();
+  Stopwatch watch;
+  if (plan.shadow_maps)
+    rasterizer->add_punctual(gbuffer, base);
+  else
+    add_punctual_by_rays(*rays, gbuffer, alpha_seed, base, stats.rays);
+  count_call(Stage::direct_punctual, watch.seconds());
 }
 
 void Session::Impl::prepare() {
@@ -289,6 +353,7 @@ FrameView Session::Impl::view() const {
   frame.light = settings.light;
   frame.seed = settings.seed;
   frame.alpha_seed = plan.antialiased ? round + 1 : 0;
+  frame.stages = plan.runs, frame.forced = settings.forced;
   return frame;
 }
 
@@ -296,7 +361,7 @@ uint32_t Session::round_samples(uint32_t total) const {
   const TechniqueInfo& technique = find_technique(impl_->settings.technique);
   if (technique.exact) return std::max(1u, total);
   constexpr uint32_t rounds_for_edges = 8, fewest_rounds = 4, most_in_a_round = 256;
-  const uint32_t wanted = impl_->plan.antialiased
+  const uint32_t wanted = impl_->plan.redraws
                               ? std::max((total + rounds_for_edges - 1) / rounds_for_edges,
                                          std::min(total / fewest_rounds, technique.samples_a_round))
                               : total;
@@ -305,7 +370,7 @@ uint32_t Session::round_samples(uint32_t total) const {
 
 void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop) {
   Impl& s = *impl_;
-  if (s.plan.antialiased && s.drawn_round != s.round) s.frame_is_drawn = false;
+  if (s.drawn_round != s.round) s.frame_is_drawn = false;
   s.prepare();
   PassRequest request;
   request.pass = s.round;
@@ -313,7 +378,7 @@ void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::
   request.stride = stride;
   request.offset = offset;
   request.stop = std::move(stop);
-  if (s.plan.antialiased) request.half = static_cast<int>(s.round & 1);
+  if (s.plan.redraws) request.half = static_cast<int>(s.round & 1);
   const PassStats pass = s.technique->run_pass(s.view(), request, s.film);
 
   const double threads = thread_count();
@@ -326,6 +391,7 @@ void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::
   s.stats.seconds.gpu += pass.gpu_seconds;
   s.stats.rays += pass.rays;
   s.stats.useful_rays += pass.useful_rays;
+  s.count_held(pass);
   ++s.stats.passes;
   if (offset + 1 == stride * stride) ++s.round;
 }
@@ -340,6 +406,8 @@ void Session::restart() {
   impl_->stats.seconds.load = load;
   impl_->stats.light_count = before.light_count;
   impl_->stats.cut_size = before.cut_size;
+  impl_->stats.stages = before.stages;
+  impl_->alpha_tests_known = 0;
 }
 
 void Session::start_over() {
@@ -361,6 +429,8 @@ void Session::set_settings(const RenderSettings& wanted) {
   check_backend(wanted);
   const RenderSettings before = std::exchange(s.settings, wanted);
   if (wanted.technique != before.technique) s.technique.reset();
+  if (wanted.forced.has(Stage::alpha_filter) != before.forced.has(Stage::alpha_filter))
+    s.rays = std::make_unique<RayScene>(s.scene, wanted.forced.has(Stage::alpha_filter));
   s.stale.technique = true;
   s.stale.raster |= wanted.backend != before.backend || needs_gl(wanted) != needs_gl(before);
   s.stale.gbuffer |=
@@ -371,8 +441,8 @@ void Session::set_settings(const RenderSettings& wanted) {
   s.replan();
   s.stale.gbuffer |= plan.gbuffer != s.plan.gbuffer || plan.direct_punctual != s.plan.direct_punctual ||
                      plan.shadow_maps != s.plan.shadow_maps || plan.antialiased != s.plan.antialiased;
-  s.stale.points |= !(plan.kinds == s.plan.kinds) || plan.light_set != s.plan.light_set ||
-                    plan.antialiased != s.plan.antialiased;
+  s.stale.points |= !(plan.set_kinds == s.plan.set_kinds) || plan.light_set != s.plan.light_set ||
+                    plan.cut != s.plan.cut || plan.redraws != s.plan.redraws;
   restart();
 }
 
@@ -388,12 +458,12 @@ void Session::edit_lights(const LightEdits& edits) {
   const bool emission_changed = edits.emission != before.emission;
   if (emission_changed && s.rasterizer) s.rasterizer->update_materials();
   s.stale.shadows = s.stale.lights = s.stale.gbuffer = true;
-  const LightKinds kinds = s.plan.kinds;
+  const LightKinds kinds = s.plan.set_kinds;
   s.replan();
   // Emitter points follow power, distant ones directions, punctual ones places: those lie elsewhere now.
   s.stale.points |= emission_changed || edits.environment_rotation != before.environment_rotation ||
                     edits.lights.size() != before.lights.size() || s.plan.kinds.punctual ||
-                    !(kinds == s.plan.kinds);
+                    !(kinds == s.plan.set_kinds);
   restart();
 }
 

@@ -1,6 +1,6 @@
-// The renderer's face: open a scene, ask for the plan, run passes, read the film. The app sees nothing below this but
-// scene, film and the technique registry. A session is used from the one thread that made it (its OpenGL context lives
-// there); passes use all cores.
+// The renderer's face: open a scene, ask for the plan, run passes, read the film. The app sees nothing below
+// this but scene, film and the technique registry. A session is used from the one thread that made it (its
+// OpenGL context lives there); passes use all cores.
 #pragma once
 
 #include <memory>
@@ -23,17 +23,22 @@ struct RenderSettings {
   std::optional<Target> target;  ///< the technique's own default
   LightSelection light = LightSelection::all;
   int width = 640, height = 480;
-  uint64_t seed = 0;             ///< of samples only
+  uint64_t seed = 0;  ///< of samples only
   Backend backend = Backend::automatic;
   SettingValues values;
+  bool pixel_centres = false;  ///< continuous target: the integral of light, seen as the discrete target sees
+  StageSet forced;             ///< stages that run although nothing needs them; of benchmarks (PlanRequest)
 
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session did first.
+/// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session
+/// did first.
 struct StageSeconds {
-  double load = 0, raster = 0, lights = 0, distribution = 0, sampling = 0, visibility = 0, resolve = 0, total = 0;
-  double gpu = 0;  ///< of the GPU, within `sampling`: by timer queries, or by the clock where the driver has none
+  double load = 0, raster = 0, lights = 0, distribution = 0, sampling = 0, visibility = 0, resolve = 0,
+         total = 0;
+  double gpu =
+      0;  ///< of the GPU, within `sampling`: by timer queries, or by the clock where the driver has none
 };
 
 struct SessionStats {
@@ -42,6 +47,9 @@ struct SessionStats {
   uint64_t useful_rays = 0;
   uint32_t passes = 0;
   uint32_t light_count = 0, cut_size = 0;
+  /// Since the session began, or since the plan last took the stage in; restarts keep them, as they keep what
+  /// the stages made.
+  StageCounters stages;
 };
 
 /// What a user may change about the light while the geometry stands.
@@ -53,8 +61,8 @@ struct LightEdits {
 
 class Session {
  public:
-  /// Takes a loaded scene; completes its lights. Throws Error (exit code 4) when the back end that was asked for cannot
-  /// be had. `messages` must outlive the session.
+  /// Takes a loaded scene; completes its lights. Throws Error (exit code 4) when the back end that was asked
+  /// for cannot be had. `messages` must outlive the session.
   Session(Scene, const RenderSettings&, Messages&);
   ~Session();
 
@@ -64,31 +72,34 @@ class Session {
   const Plan& plan() const;
   const std::optional<GlDescription>& gl() const;  ///< nothing where the G-buffer comes from rays
 
-  void set_camera(const Camera&);           ///< redraws the G-buffer
-  /// Throws Error (exit code 4), and changes nothing, where the technique needs OpenGL and the back end is `none`.
+  void set_camera(const Camera&);  ///< redraws the G-buffer
+  /// Throws Error (exit code 4), and changes nothing, where the technique needs OpenGL and the back end is
+  /// `none`.
   void set_settings(const RenderSettings&);  ///< redoes what the difference asks for
   /// Re-lights the points and re-cuts; geometry stays.
   void edit_lights(const LightEdits&);
   LightEdits light_edits() const;  ///< as they are now
 
-  /// Samples a pixel for each round when `total` are wanted: many rounds where each redraws S and moves the pixel grid
-  /// (continuous target), few where a round only adds samples to the same frame, one where a pass gives all there is
-  /// (TechniqueInfo::exact).
+  /// Samples a pixel for each round when `total` are wanted: many rounds where each redraws S and moves the
+  /// pixel grid (continuous target), few where a round only adds samples to the same frame, one where a pass
+  /// gives all there is (TechniqueInfo::exact).
   uint32_t round_samples(uint32_t total) const;
 
-  /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the frame.
+  /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the
+  /// frame.
   void run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop = {});
 
   const Film& film() const;
-  /// The film's own estimate of its relMSE; negative where it has none to give, as of a technique without noise that is
-  /// biased all the same.
+  /// The film's own estimate of its relMSE; negative where it has none to give, as of a technique without
+  /// noise that is biased all the same.
   double estimated_relmse() const;
-  /// What the camera sees, as of the last pass; where the plan leaves it out, pixel centres by rays when first asked for.
+  /// What the camera sees, as of the last pass; where the plan leaves it out, pixel centres by rays when
+  /// first asked for.
   const GBuffer& gbuffer() const;
   const SessionStats& stats() const;
   void restart();  ///< clears the film
-  /// As a new session of the same scene: the film is cleared, and the next pass makes S, tree, cut, shadow maps, G-buffer
-  /// and technique again. Only Embree's tree and what OpenGL holds of the scene stay.
+  /// As a new session of the same scene: the film is cleared, and the next pass makes S, tree, cut, shadow
+  /// maps, G-buffer and technique again. Only Embree's tree and what OpenGL holds of the scene stay.
   void start_over();
 
   /// The frame as techniques see it, for tests and benchmarks; prepares it if needed.

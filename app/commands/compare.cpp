@@ -25,6 +25,9 @@ namespace {
 /// variance at their end where it is made by a technique like theirs.
 constexpr double reference_effort = 20;
 
+/// And of the integral beside a discrete race at most this many times.
+constexpr double integral_effort = 8;
+
 /// "about 3 min left" from the share that is done.
 std::string time_left(double seconds, double share) {
   if (!(share > 0.005)) return "";
@@ -82,6 +85,32 @@ ReferencePicture find_reference(const Arena& arena) {
       reference_effort, show);
 }
 
+/// The integral that a discrete race's sum stands for, through pixel centres as the sum sees them. It takes
+/// no longer than the race itself.
+std::optional<ReferencePicture> find_integral(const Arena& arena) {
+  const Options& options = arena.options;
+  if (arena.setup.target != Target::discrete || options.no_discretisation || !options.reference.empty())
+    return std::nullopt;
+  const Stopwatch watch;
+  RunRequest request = request_of(arena, find_technique(continuous_reference_technique), options.render.seed);
+  request.settings.pixel_centres = true;
+  const double runs = static_cast<double>(options.seeds) * static_cast<double>(arena.setup.entries.size());
+  return continuous_reference(arena.session, request, std::min(integral_effort, runs), [&](double share) {
+    arena.progress.show(fmt::format("the integral beside the sum, {:.0f} %{}", 100 * share,
+                                    time_left(watch.seconds(), share)));
+  });
+}
+
+/// Sampling error beside discretisation error, and both together in the pictures of the first seed.
+void tell_errors_apart(const ReferencePicture& reference, const ReferencePicture& integral,
+                       const std::map<std::string, ImageRgb>& pictures, Race& race) {
+  race.discretisation = discretisation_error(reference, integral);
+  for (Racer& racer : race.racers)
+    if (const auto image = pictures.find(racer.id); image != pictures.end() && !racer.preview)
+      racer.relmse_of_integral =
+          measure_radiance_error(image->second, integral.image).relmse - integral.own.relmse;
+}
+
 Race describe(const Arena& arena, const OpenedScene& opened, const ReferencePicture& reference) {
   const Options& options = arena.options;
   Race race;
@@ -105,6 +134,7 @@ Race describe(const Arena& arena, const OpenedScene& opened, const ReferencePict
                            own ? "own" : race.target,
                            !entry.why_preview.empty(),
                            entry.why_preview,
+                           {},
                            {},
                            {}});
   }
@@ -211,6 +241,7 @@ Race compare_techniques(const Options& options, const Workbench& bench) {
   // Reference, then the race; from here on an interruption keeps what is complete.
   const Arena arena{options, setup, session, messages, bench.progress};
   const ReferencePicture reference = find_reference(arena);
+  const std::optional<ReferencePicture> integral = find_integral(arena);
   Race race = describe(arena, opened, reference);
   race.shared_seconds = opened.seconds + session.stats().seconds.load;
   bench.progress.show("the harness itself");
@@ -226,12 +257,13 @@ Race compare_techniques(const Options& options, const Workbench& bench) {
   bench.progress.hide();
   bench.warnings.print_new(messages);
   if (race.interrupted && !any_complete(race)) return race;
+  if (integral) tell_errors_apart(reference, *integral, pictures, race);
 
   // Files.
   race.machine = machine_facts(session);
   race.warnings = messages.warnings;
   bench.progress.show("report");
-  write_report(options.output, race, reference, pictures, opened.display);
+  write_report(options.output, race, reference, integral, pictures, opened.display);
   bench.progress.hide();
   return race;
 }

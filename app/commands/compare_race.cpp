@@ -87,7 +87,7 @@ uint32_t Run::next_samples(double budget) const {
   // already; in the continuous one those of a pass share S, and unless the technique spreads them over the
   // pixel also the pixel grid: more passes are worth more than larger ones.
   double grown = std::max(1.0, static_cast<double>(done_));
-  if (session_.plan().antialiased)
+  if (session_.plan().redraws)
     grown = std::min(grown, static_cast<double>(find_technique(request_.settings.technique).samples_a_round));
   const double worth = std::max(grown, cost_.pass / cost_.sample);
   const double most = std::min<double>(worth, most_in_a_pass);

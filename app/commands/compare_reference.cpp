@@ -195,7 +195,20 @@ ReferencePicture continuous_reference(Session& session, const RunRequest& race, 
   reference.facts.how =
       fmt::format("{}, {} samples a pixel in {} s ({:g} times the largest budget), with draws of its own",
                   request.settings.technique, number_text(spp), number_text(reference.facts.seconds), effort);
+  if (race.settings.pixel_centres) reference.facts.how += ", through pixel centres";
   return reference;
+}
+
+DiscretisationError discretisation_error(const ReferencePicture& sum, const ReferencePicture& integral) {
+  const ErrorMetrics metrics = measure_radiance_error(sum.image, integral.image);
+  DiscretisationError error;
+  error.relmse = metrics.relmse - integral.own.relmse;
+  error.relmse_trimmed = metrics.relmse_trimmed - integral.own.relmse_trimmed;
+  error.rmse = std::sqrt(std::max(0.0, metrics.rmse * metrics.rmse - integral.own.rmse * integral.own.rmse));
+  error.smape = metrics.smape;
+  error.own_relmse = integral.own.relmse;
+  error.how = integral.facts.how;
+  return error;
 }
 
 ReferencePicture given_reference(const std::string& file, const Options& options) {

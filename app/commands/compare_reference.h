@@ -18,13 +18,16 @@ using ShareDone = std::function<void(double)>;
 /// written is a warning.
 ReferencePicture discrete_reference(Session&, const RenderSettings&, Messages&, const ShareDone&);
 
-/// What makes the continuous target's reference, racing or not: of those that are unbiased there, the one that
-/// is nearest to it soonest.
+/// What makes the continuous target's reference, racing or not: of those that are unbiased there, the one
+/// that is nearest to it soonest.
 inline constexpr std::string_view continuous_reference_technique = "halflight";
 
 /// A long run of `settings.technique` in the continuous target: `effort` times the largest budget. Its own
 /// variance is told by two halves from independent sets S.
 ReferencePicture continuous_reference(Session&, const RunRequest&, double effort, const ShareDone&);
+
+/// Of the sum's picture against the integral's.
+DiscretisationError discretisation_error(const ReferencePicture& sum, const ReferencePicture& integral);
 
 /// A picture given by the user. Throws Error (exit code 3) when it cannot be read or has another size.
 ReferencePicture given_reference(const std::string& file, const Options&);

@@ -70,10 +70,14 @@ PictureFiles write_picture(const fs::path& folder, const std::string& name, cons
 }
 
 void write_pictures(const fs::path& folder, Race& race, const ReferencePicture& reference,
+                    const std::optional<ReferencePicture>& integral,
                     const std::map<std::string, ImageRgb>& pictures, const DisplaySettings& display) {
   race.reference.picture =
       write_picture(folder, "reference", reference.image, display, metadata_of(race, reference.facts.how));
   race.reference.file = race.reference.picture.exr;
+  if (integral && race.discretisation)
+    race.discretisation->picture =
+        write_picture(folder, "integral", integral->image, display, metadata_of(race, integral->facts.how));
   std::map<std::string, std::vector<float>> maps;
   std::vector<std::vector<float>> ranked;
   for (Racer& racer : race.racers) {
@@ -84,6 +88,13 @@ void write_pictures(const fs::path& folder, Race& race, const ReferencePicture& 
     if (!racer.preview) ranked.push_back(maps[racer.id]);
   }
   race.error_scale = error_scale(ranked);
+  if (integral && race.discretisation) {
+    race.discretisation->picture.error_png = "images/discretisation-error.png";
+    write_png(folder / race.discretisation->picture.error_png,
+              error_picture(signed_error(reference.image, integral->image), race.width, race.height,
+                            race.error_scale),
+              metadata_of(race, "discretisation"));
+  }
   for (Racer& racer : race.racers) {
     const auto map = maps.find(racer.id);
     if (map == maps.end()) continue;
@@ -124,12 +135,13 @@ void check_report_folder(const std::string& folder) {
 }
 
 void write_report(const std::string& folder, Race& race, const ReferencePicture& reference,
+                  const std::optional<ReferencePicture>& integral,
                   const std::map<std::string, ImageRgb>& pictures, const DisplaySettings& display) {
   const fs::path path(folder);
   std::error_code failed;
   fs::create_directories(path / "images", failed);
   if (failed) throw Error(ExitCode::failure, fmt::format("{}: cannot write: {}", folder, failed.message()));
-  write_pictures(path, race, reference, pictures, display);
+  write_pictures(path, race, reference, integral, pictures, display);
   const Analysis analysis = analyse(race);
   write_text_atomically(path / "errors.csv", errors_csv(race));
   write_json((path / "report.json").string(), race_json(race, analysis));

@@ -18,6 +18,7 @@ void check_report_folder(const std::string& folder);
 /// Writes everything; `pictures` are the racers' by their ids. Fills in the paths of pictures and the error
 /// maps' scale. Throws Error (exit code 1).
 void write_report(const std::string& folder, Race&, const ReferencePicture&,
+                  const std::optional<ReferencePicture>& integral,
                   const std::map<std::string, ImageRgb>& pictures, const DisplaySettings&);
 
 }  // namespace halflight

@@ -19,7 +19,7 @@ namespace {
 std::string plan_text(const Session& session) {
   std::vector<std::vector<std::string>> rows;
   for (const PlanStage& stage : session.plan().stages)
-    rows.push_back({stage.stage, stage.runs ? "runs" : "skipped", stage.why});
+    rows.push_back({std::string(stage_name(stage.stage)), stage.runs ? "runs" : "skipped", stage.why});
   return fmt::format("\nPlan for {} ({} target, {} light)\n", session.settings().technique,
                      target_name(used_target(session)), light_selection_name(session.settings().light)) +
          text_table(rows, "  ");

@@ -76,10 +76,16 @@ double process_cpu_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-Json plan_json(const Plan& plan) {
+Json plan_json(const Plan& plan, const StageCounters* counters) {
   Json stages = Json::array();
-  for (const PlanStage& stage : plan.stages)
-    stages.push_back({{"stage", stage.stage}, {"runs", stage.runs}, {"why", stage.why}});
+  for (const PlanStage& stage : plan.stages) {
+    Json json{{"stage", stage_name(stage.stage)}, {"runs", stage.runs}, {"why", stage.why}};
+    if (counters) {
+      const StageCounter& counter = (*counters)[stage.stage];
+      json["calls"] = counter.calls, json["bytes"] = counter.bytes, json["seconds"] = counter.seconds;
+    }
+    stages.push_back(std::move(json));
+  }
   return stages;
 }
 
@@ -125,7 +131,7 @@ Json render_json(const RenderRecord& record) {
   json["cut_size"] = stats.cut_size;
   json["peak_memory_mb"] = peak_memory_mb();
   json["gl"] = gl_json(session);
-  json["plan"] = plan_json(session.plan());
+  json["plan"] = plan_json(session.plan(), &stats.stages);
   json["warnings"] = *record.warnings;
   return json;
 }

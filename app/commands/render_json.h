@@ -28,8 +28,9 @@ Json render_json(const RenderRecord&);
 /// Attributes of the picture's file, and with `aovs` the layers Albedo, N, P and Variance.
 ImageMetadata render_metadata(const RenderRecord&, bool aovs);
 
-/// The plan as an array of {stage, runs, why}.
-Json plan_json(const Plan&);
+/// The plan as an array of {stage, runs, why}, with counters also {calls, bytes, seconds}; bytes are held at
+/// the end, seconds 0 where they are not measured apart.
+Json plan_json(const Plan&, const StageCounters* = nullptr);
 /// {backend, renderer, version}; backend "none" where the pixels come from rays.
 Json gl_json(const Session&);
 

@@ -74,7 +74,7 @@ void Sampler::timed_pass(uint32_t samples, uint32_t pass_stride, uint32_t offset
   const double distributions = std::min(after.distribution - before.distribution, pixels);
   cost_.distributions = distributions / share;
   cost_.sample = std::max(1e-9, pixels - distributions) / (share * samples);
-  if (session_.plan().antialiased && offset == 0) cost_.frame = frame;
+  if (session_.plan().redraws && offset == 0) cost_.frame = frame;
 }
 
 void Sampler::whole_round(uint32_t samples) {

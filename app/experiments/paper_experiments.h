@@ -16,5 +16,6 @@ void run_gems_time(const ExperimentRun&, ExperimentReport&, Facts& machine);
 void run_pharr_fig2(const ExperimentRun&, ExperimentReport&, Facts& machine);
 void run_ingredients(const ExperimentRun&, ExperimentReport&, Facts& machine);
 void run_continuous(const ExperimentRun&, ExperimentReport&, Facts& machine);
+void run_plan_gain(const ExperimentRun&, ExperimentReport&, Facts& machine);
 
 }  // namespace halflight

@@ -33,6 +33,7 @@ Race run_order(const ExperimentRun& run, const RaceOrder& order, const std::stri
   options.render.width = order.width, options.render.height = order.height;
   options.render.target = order.target;
   options.reference = order.reference;
+  options.no_discretisation = true;
   options.techniques = order.techniques;
   options.budgets = order.budgets, options.equal = order.equal;
   for (const auto& [key, value] : order.settings) options.render.values.set(key, value);

@@ -29,6 +29,8 @@ std::span<const Experiment> experiments() {
                  "halflight against the others in the continuous target, scene by scene", run_continuous},
       Experiment{"ingredients", "our own", "what each ingredient of halflight buys on each scene",
                  run_ingredients},
+      Experiment{"plan", "our own", "what leaving out the stages that a scene does not need saves",
+                 run_plan_gain},
   };
   return registry;
 }

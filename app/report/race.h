@@ -51,6 +51,9 @@ struct Racer {
   std::string why_preview;
   std::vector<RaceRun> runs;
   PictureFiles picture;
+  /// relMSE of that picture against the integral, where the race has one: sampling and discretisation error
+  /// together.
+  std::optional<double> relmse_of_integral{};
 };
 
 struct LeftOut {
@@ -64,6 +67,19 @@ struct ReferenceFacts {
   double seconds = 0;  ///< it took; 0 where it was there already
   std::string file;
   PictureFiles picture;
+};
+
+/// How far the sum over S is from the integral it stands for: of the discrete reference against one of the
+/// continuous target that sees the same pixel centres, so that no edge is in it. The latter's own variance is
+/// subtracted. No technique of the race has a part in it.
+struct DiscretisationError {
+  double relmse = 0, relmse_trimmed = 0, rmse = 0, smape = 0;
+  double own_relmse = 0;  ///< the integral's picture's own, what was subtracted
+  std::string how;        ///< one sentence: how the integral was found
+  PictureFiles picture;   ///< the integral, and the map of the sum's error
+
+  /// Whether it stands out from the noise of the integral's picture.
+  bool told() const { return relmse > own_relmse; }
 };
 
 /// What a technique that does nothing costs: the harness itself.
@@ -84,6 +100,7 @@ struct Race {
   std::vector<Racer> racers;
   std::vector<LeftOut> left_out;
   ReferenceFacts reference;
+  std::optional<DiscretisationError> discretisation;  ///< discrete target, unless left out
   HarnessCost harness;
   uint32_t light_count = 0, cut_size = 0;  ///< of the scene's S, where it has one
   double error_scale = 1;                  ///< signed relative error at the ends of the error maps' colours

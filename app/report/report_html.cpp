@@ -70,6 +70,36 @@ std::string standings(const Race& race, const Analysis& analysis) {
   return html_table(headings, rows);
 }
 
+/// Discretisation error apart from sampling error, in a race towards the sum over S.
+std::string two_errors(const Race& race, const Analysis& analysis) {
+  if (!race.discretisation) return "";
+  const DiscretisationError& error = *race.discretisation;
+  std::vector<std::vector<std::string>> rows{
+      {"discretisation<small>of the sum over S, whoever samples it</small>",
+       error.told() ? html_text(number_text(error.relmse))
+                    : fmt::format("&lt; {}", html_text(number_text(2 * error.own_relmse))),
+       html_text(number_text(error.relmse_trimmed)), "the sum against the integral, through pixel centres",
+       "–"}};
+  for (size_t i = 0; i < analysis.results.size(); ++i) {
+    const RacerResult& r = analysis.results[i];
+    if (r.preview || r.points.empty()) continue;
+    const Racer& racer = race.racers[r.racer];
+    rows.push_back({name_cell(racer, i), two_lines(r.points.back().error),
+                    html_text(number_text(r.points.back().trimmed)), "sampling: against the sum",
+                    racer.relmse_of_integral ? html_text(number_text(*racer.relmse_of_integral)) : "–"});
+  }
+  return html_section(
+      "errors", "Two errors",
+      html_table({"what", "relMSE", "without worst 0.1\u00a0%", "of what", "both together"}, rows) +
+          fmt::format(
+              "<p class=\"small\">Techniques of the discrete target converge to a sum over one set S of "
+              "virtual lights; more samples never take them nearer to the integral than that sum is. The "
+              "integral: {}; its own relMSE, {}, is subtracted. Antialiasing is in neither. Discretisation "
+              "error is that of one set S (lights.seed); both together are of the first seed's "
+              "picture.</p>\n",
+              html_text(error.how), number_text(error.own_relmse)));
+}
+
 std::string verdict_list(const Analysis& analysis, size_t begin, size_t end) {
   std::string items;
   for (size_t i = begin; i < end; ++i) {
@@ -110,7 +140,15 @@ std::string plots(const Race& race, const Analysis& analysis) {
 
 std::string pictures(const Race& race, const Analysis& analysis) {
   std::vector<PanelPicture> panel;
-  if (!race.reference.picture.png.empty()) panel.push_back({"reference", "", race.reference.picture.png, ""});
+  if (race.discretisation && !race.discretisation->picture.png.empty()) {
+    const DiscretisationError& error = *race.discretisation;
+    panel.push_back({"integral", "what the sum over S stands for", error.picture.png, ""});
+    panel.push_back({"reference",
+                     fmt::format("the sum over S; discretisation relMSE {}", number_text(error.relmse)),
+                     race.reference.picture.png, error.picture.error_png});
+  } else if (!race.reference.picture.png.empty()) {
+    panel.push_back({"reference", "", race.reference.picture.png, ""});
+  }
   for (const RacerResult& r : analysis.results) {
     const Racer& racer = race.racers[r.racer];
     if (racer.picture.png.empty() || racer.runs.empty() || racer.runs.front().snapshots.empty()) continue;
@@ -241,6 +279,7 @@ std::string warnings(const Race& race) {
 std::string race_html(const Race& race, const Analysis& analysis) {
   std::string body = header(race, analysis);
   body += html_section("standings", "Standings", standings(race, analysis));
+  body += two_errors(race, analysis);
   body += html_section("error", fmt::format("Error against {}", equal_info(race.equal).of_it),
                        plots(race, analysis));
   body += html_section("verdicts", "Verdicts", verdicts(race, analysis));

@@ -60,6 +60,7 @@ Json result_json(const Race& race, const RacerResult& result) {
       json[fmt::format("{}_to_{}", equal_info(race.equal).of_it, goal_text(goals[g]))] =
           reach_json(result, result.reach[g]);
   }
+  if (racer.relmse_of_integral) json["relmse_of_integral"] = number(*racer.relmse_of_integral);
   json["points"] = points_json(result);
   json["checkpoints_missed"] = result.missed;
   return json;
@@ -71,6 +72,22 @@ Json reference_json(const ReferenceFacts& reference) {
           {"own_relmse", reference.relmse ? number(*reference.relmse) : Json(nullptr)},
           {"seconds", reference.seconds},
           {"file", reference.file}};
+}
+
+/// Null in the continuous target, and where it was left out.
+Json discretisation_json(const Race& race) {
+  if (!race.discretisation) return nullptr;
+  const DiscretisationError& error = *race.discretisation;
+  return {{"of", "the reference of the discrete target: the sum over S"},
+          {"against", "the continuous target through pixel centres: the integral"},
+          {"how", error.how},
+          {"relmse", number(error.relmse)},
+          {"relmse_trimmed", number(error.relmse_trimmed)},
+          {"rmse", number(error.rmse)},
+          {"smape", number(error.smape)},
+          {"own_relmse", number(error.own_relmse)},
+          {"told_from_noise", error.told()},
+          {"file", error.picture.exr}};
 }
 
 Json verdicts_json(const Analysis& analysis) {
@@ -104,6 +121,7 @@ Json race_json(const Race& race, const Analysis& analysis) {
             {"intervals", "95 %, bootstrap over seeds, each for itself"},
             {"relmse", "mean((x−r)²/(r² + (0.01 mean r)²)), the reference's own variance subtracted"}};
   json["reference"] = reference_json(race.reference);
+  json["discretisation"] = discretisation_json(race);
   json["techniques"] = Json::array();
   for (const RacerResult& result : analysis.results) json["techniques"].push_back(result_json(race, result));
   json["left_out"] = Json::array();

@@ -257,9 +257,9 @@ void plan_section(const Snapshot& snapshot) {
   if (!ImGui::CollapsingHeader("Plan")) return;
   for (const PlanStage& stage : snapshot.plan.stages) {
     if (stage.runs)
-      text("{}", stage.stage);
+      text("{}", stage_name(stage.stage));
     else
-      ImGui::TextDisabled("%s", stage.stage.c_str());
+      ImGui::TextDisabled("%s", std::string(stage_name(stage.stage)).c_str());
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
     ImGui::Indent();
     ImGui::TextWrapped("%s", stage.why.c_str());

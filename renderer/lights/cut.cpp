@@ -2,6 +2,7 @@
 #include <cmath>
 #include <queue>
 
+#include "core/vector_bytes.h"
 #include "lights/cut_arrays.h"
 #include "lights/light_tree.h"
 
@@ -51,6 +52,12 @@ void refine(const LightTree& tree, uint32_t root, const CutSettings& settings, s
     add(static_cast<uint32_t>(tree.nodes[index].left) + 1);
   }
   for (; !open.empty(); open.pop()) cut.push_back(open.top().node);
+}
+
+/// Every lit leaf.
+void take_leaves(const LightTree& tree, std::vector<uint32_t>& cut) {
+  for (uint32_t i = 0; i < tree.nodes.size(); ++i)
+    if (tree.nodes[i].left < 0 && tree.nodes[i].power > 0) cut.push_back(i);
 }
 
 /// The leaves' shares of their cluster in whole numbers, at least 1 where `weight(leaf)` is not 0;
@@ -145,8 +152,9 @@ void set_leaf_ranges(Cut& cut, uint32_t k) {
 Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
   Cut cut;
   std::vector<uint32_t> nodes;
+  if (settings.leaves) take_leaves(tree, nodes);
   for (const int32_t root : tree.roots)
-    if (root >= 0) refine(tree, static_cast<uint32_t>(root), settings, nodes);
+    if (root >= 0 && !settings.leaves) refine(tree, static_cast<uint32_t>(root), settings, nodes);
   std::sort(nodes.begin(), nodes.end(),
             [&](uint32_t a, uint32_t b) { return tree.nodes[a].begin < tree.nodes[b].begin; });
   resize_arrays(cut, padded_clusters(nodes.size()));
@@ -157,14 +165,18 @@ Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
 }
 
 void refresh_cut(const LightTree& tree, Cut& cut) {
-  double power = 0;
-  for (const int32_t root : tree.roots) power += root < 0 ? 0.0 : tree.nodes[root].power;
-  cut.power_unit = power > 0 ? std::ldexp(1.0, std::ilogb(power) + 1) : 1;
+  cut.power_unit = power_unit(tree);
   for (uint32_t k = 0; k < cut.size; ++k) set_cluster(cut, k, tree.nodes[cut.node[k]]);
   fill_leaf_prefix(
       cut, tree.lights.size(), [&](uint32_t leaf) { return leaf_power(tree.lights[leaf]); },
       [&](uint32_t k) { return tree.nodes[cut.node[k]].power; });
   fill_leaf_guide(cut);
+}
+
+size_t held_bytes(const Cut& cut) {
+  size_t bytes = 0;
+  for_each_array([&](auto array, auto) { bytes += vector_bytes(cut.*array); });
+  return bytes + vector_bytes(cut.leaf_prefix, cut.leaf_guide);
 }
 
 Aabb local_bounds(const Cut& cut) {

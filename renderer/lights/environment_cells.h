@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/math.h"
+#include "core/vector_bytes.h"
 #include "scene/environment.h"
 
 namespace halflight {
@@ -22,6 +23,7 @@ class EnvironmentCells {
   Vec3 draw(const Environment&, uint32_t cell, Vec2 u) const;
   uint32_t cell_of(const Environment&, Vec3 direction) const;
   float solid_angle(uint32_t cell) const { return cells_[cell].solid_angle; }
+  size_t held_bytes() const { return vector_bytes(nodes_, cells_); }
   /// Mean over the cell of the map, in units of its strength.
   Vec3 mean_radiance(uint32_t cell) const { return cells_[cell].mean; }
 

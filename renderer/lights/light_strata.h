@@ -27,7 +27,12 @@ class LightStrata {
   LightStrata(const Scene&, const StrataKinds&, uint32_t count);
 
   uint32_t size() const { return end_; }
+  size_t held_bytes() const {
+    return environment_.held_bytes() + emitters_.held_bytes() + surfaces_.held_bytes();
+  }
   uint32_t surface_count() const { return surfaces_.size(); }
+  uint32_t emitters_begin() const { return emitters_begin_; }
+  uint32_t surfaces_begin() const { return surfaces_begin_; }
   uint32_t punctual_begin() const { return surfaces_begin_ + 2 * surfaces_.size(); }
 
   /// Irradiance on both sides of each point of surfaces, front then back.

@@ -1,9 +1,11 @@
 #include "lights/light_tree.h"
 
+#include <cmath>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/vector_bytes.h"
 
 namespace halflight {
 
@@ -144,6 +146,15 @@ void aggregate_radiance(LightTree& tree) {
 }
 
 }  // namespace
+
+double power_unit(const LightTree& tree) {
+  double power = 0;
+  for (const int32_t root : tree.roots)
+    if (root >= 0) power += tree.nodes[static_cast<size_t>(root)].power;
+  return power > 0 ? std::ldexp(1.0, std::ilogb(power) + 1) : 1;
+}
+
+size_t held_bytes(const LightTree& tree) { return vector_bytes(tree.nodes, tree.lights, tree.original); }
 
 double leaf_power(const VirtualLight& light) {
   const Vec3d l(light.radiance);

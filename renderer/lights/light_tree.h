@@ -43,6 +43,11 @@ double leaf_power(const VirtualLight&);
 /// finite. The same tree for any number of threads.
 LightTree build_light_tree(std::vector<VirtualLight> lights);
 
+/// A power of two above the sum of all power: importances are reckoned in units of it. 1 where all is dark.
+double power_unit(const LightTree&);
+
+size_t held_bytes(const LightTree&);
+
 /// Takes new radiances (in the original order) and aggregates them; topology stays.
 void relight(LightTree&, std::span<const Vec3> radiance);
 
@@ -52,6 +57,7 @@ struct CutSettings {
   float sigma = 0;      ///< > 0: the paper's absolute σ instead (eq. 5; the paper uses 5)
   uint32_t least = 64;  ///< nodes for each kind that is lit
   uint32_t most = 1024;
+  bool leaves = false;  ///< no refinement: every lit leaf is a cluster
 };
 
 /// The illumination cut: disjoint clusters that cover every lit leaf, in tree order. Arrays of clusters are
@@ -92,6 +98,8 @@ Cut illumination_cut(const LightTree&, const CutSettings&);
 
 /// The same clusters with what the tree's members send now. Every member that does must lie in one of them.
 void refresh_cut(const LightTree&, Cut&);
+
+size_t held_bytes(const Cut&);
 
 /// Box of all clusters that are not at infinity.
 Aabb local_bounds(const Cut&);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/math.h"
+#include "core/vector_bytes.h"
 #include "scene/scene.h"
 #include "scene/shading.h"
 
@@ -31,6 +32,7 @@ class TriangleCells {
   /// 1 over the density per area with which `draw` finds points of the triangle in their cell: the piece's
   /// area, or what the run as a whole makes of the triangle's. 0 where it was not listed.
   float measure(uint32_t triangle) const;
+  size_t held_bytes() const { return vector_bytes(entries_, entry_, cells_); }
 
  private:
   struct Entry {

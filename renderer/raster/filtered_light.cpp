@@ -110,6 +110,11 @@ void FilteredLight::prepare(const Environment& environment, int map_size) {
   map_size_ = map_size;
 }
 
+size_t FilteredLight::bytes() const {
+  // A third more for the mip levels.
+  return 2 * sizeof(Vec4) * static_cast<size_t>(map_size_) * map_size_ * 4 / 3;
+}
+
 void FilteredLight::bind(const GpuScene& scene, const Environment& environment, const GBufferPass& gbuffer,
                          const FilteredRequest& request) {
   const GlFunctions& gl = context_.gl;

@@ -14,6 +14,8 @@ class FilteredLight {
   /// Makes the maps and harmonics of the scene's environment; nothing is done where they stand.
   void prepare(const Environment&, int map_size);
 
+  size_t bytes() const;  ///< of the maps
+
   /// Light of one subset of the pixels of the G-buffer drawn last, row by row. Needs `prepare`.
   FilteredResult light(const GpuScene&, const Environment&, const GBufferPass&, const FilteredRequest&);
 

@@ -66,7 +66,8 @@ struct FilteredResult {
 /// out of memory or its context is lost (the caller may go on with rays), else 1.
 class Rasterizer {
  public:
-  /// Uploads geometry, materials and textures. Out of memory halves the textures and says so in `messages`.
+  /// Uploads geometry, materials and textures. Out of memory halves the textures and says so in `messages`,
+  /// which must outlive this.
   Rasterizer(GlContext&, const Scene&, const RasterSettings&, Messages&);
   ~Rasterizer();
 
@@ -76,8 +77,11 @@ class Rasterizer {
   /// Takes the scene's material parameters again (not their textures).
   void update_materials();
 
-  /// Draws the shadow maps of all punctual lights; call again when a light's place changes.
+  /// Draws the shadow maps of all punctual lights; call again when a light's place changes. They are made
+  /// when first asked for.
   void update_shadow_maps();
+  void drop_shadow_maps();
+  size_t shadow_map_bytes() const;
 
   /// Irradiance from the punctual lights on both sides of each point (2·i front, 2·i + 1 back), all in one
   /// dispatch. Here and below, shadow maps are drawn first where a light's place is not the one they show.
@@ -89,6 +93,8 @@ class Rasterizer {
   /// Makes maps of the environment of `map_size`² texels (a power of two) for `filtered_light`, unless they
   /// stand.
   void prepare_filtered(int map_size);
+  void drop_filtered();
+  size_t filtered_bytes() const;
 
   /// Light of the environment, unshadowed, on the G-buffer drawn last (GPU Gems 3, chapter 20); the maps are
   /// those of the last `prepare_filtered`, which must have been called.

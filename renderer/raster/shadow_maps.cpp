@@ -269,6 +269,12 @@ void ShadowMaps::draw(const GpuScene& gpu_scene, const Scene& scene) {
   context_.check("drawing the shadow maps");
 }
 
+size_t ShadowMaps::bytes() const {
+  const auto texels = [](int size, uint32_t layers) { return static_cast<size_t>(size) * size * layers; };
+  return sizeof(float) *
+         (texels(settings_.shadow_map_size, map_layers_) + texels(settings_.shadow_cube_size, cube_layers_));
+}
+
 void ShadowMaps::draw_if_moved(const GpuScene& gpu_scene, const Scene& scene) {
   if (!std::equal(drawn_.begin(), drawn_.end(), scene.lights.begin(), scene.lights.end(), same_place))
     draw(gpu_scene, scene);

@@ -32,6 +32,8 @@ class ShadowMaps {
   /// Draws all views of the scene's lights.
   void draw(const GpuScene&, const Scene&);
 
+  size_t bytes() const;  ///< of their texels
+
   /// Draws them if a light's place differs from when they were drawn last.
   void draw_if_moved(const GpuScene&, const Scene&);
 

@@ -13,6 +13,8 @@ Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, M
   scene.facts.source = source.name;
   scene.facts.extensions_used = document.extensions_used;
   scene.facts.ignored_extensions = document.ignored_extensions;
+  scene.facts.animations = document.animations.size();
+  scene.facts.at_seconds = options.at_seconds;
   GltfReader reader(source, document);
   const GltfPose pose = pose_nodes(source, document, reader, options.at_seconds);
   const std::vector<bool> used = import_meshes(source, document, reader, pose, scene);

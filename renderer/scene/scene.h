@@ -1,5 +1,5 @@
-// The one scene type: what the importers fill, and what the rays, the rasteriser and the light generators read.
-// Geometry is flattened to world space at the chosen time, one vertex pool and one triangle list.
+// The one scene type: what the importers fill, and what the rays, the rasteriser and the light generators
+// read. Geometry is flattened to world space at the chosen time, one vertex pool and one triangle list.
 #pragma once
 
 #include <string>
@@ -15,10 +15,10 @@ namespace halflight {
 /// A vertex; 60 bytes, uploaded to the GPU as it is.
 struct Vertex {
   Vec3 position;
-  Vec3 normal;        ///< unit; made from the faces where the file has none
-  Vec4 tangent;       ///< unit xyz, w = ±1 handedness; w = 0 where there is no tangent
+  Vec3 normal;   ///< unit; made from the faces where the file has none
+  Vec4 tangent;  ///< unit xyz, w = ±1 handedness; w = 0 where there is no tangent
   Vec2 uv[2];
-  uint32_t color;     ///< RGBA8 linear vertex colour, multiplies the base colour
+  uint32_t color;  ///< RGBA8 linear vertex colour, multiplies the base colour
 };
 
 enum class PunctualKind : uint32_t { point, spot, directional };
@@ -33,7 +33,7 @@ struct PunctualLight {
   Vec3 intensity{1};         ///< candela (point, spot), lux (directional); colour × intensity
   float range = infinity;    ///< KHR's smooth cut-off; infinity: none
   float inner_cone = 0, outer_cone = pi / 4;  ///< radians from the axis
-  int32_t picture = -1;      ///< projector: index into Scene::pictures, over the square that holds the outer cone
+  int32_t picture = -1;  ///< projector: index into Scene::pictures, over the square that holds the outer cone
 };
 
 enum class Projection : uint32_t { perspective, orthographic };
@@ -56,6 +56,8 @@ struct SceneFacts {
   std::vector<std::string> ignored_extensions;
   size_t skipped_primitives = 0;  ///< points, lines, empty
   size_t skipped_triangles = 0;   ///< degenerate, or with a vertex that is not finite
+  size_t animations = 0;          ///< of the file, posed once when it was read
+  double at_seconds = 0;          ///< the moment they were posed at
   bool added_camera = false, added_sky = false, added_lamp = false;
 };
 
@@ -66,11 +68,11 @@ struct Scene {
   std::vector<Material> materials;          ///< never empty when there are triangles
   std::vector<ImageRgba8> images;
   std::vector<Texture> textures;
-  std::vector<ImageRgb> pictures;           ///< projectors' slides, linear
+  std::vector<ImageRgb> pictures;  ///< projectors' slides, linear
   std::vector<PunctualLight> lights;
-  std::vector<Camera> cameras;              ///< at least one after `complete_camera`
+  std::vector<Camera> cameras;  ///< at least one after `complete_camera`
   Environment environment;
-  Aabb bounds;                              ///< of the triangles
+  Aabb bounds;  ///< of the triangles
   SceneFacts facts;
 };
 
@@ -81,10 +83,11 @@ inline Vec3 triangle_cross(const Scene& scene, uint32_t triangle) {
   return glm::cross(scene.vertices[t.y].position - a, scene.vertices[t.z].position - a);
 }
 
-/// How far a ray's origin is moved off the surface at `p`: a few units in the last place of the coordinates there and
-/// in the scene, so that it scales with the scene and with its distance from the origin.
+/// How far a ray's origin is moved off the surface at `p`: a few units in the last place of the coordinates
+/// there and in the scene, so that it scales with the scene and with its distance from the origin.
 inline float surface_epsilon(const Scene& scene, Vec3 p) {
-  const Vec3 extreme = scene.bounds.empty() ? Vec3(0) : glm::max(glm::abs(scene.bounds.low), glm::abs(scene.bounds.high));
+  const Vec3 extreme =
+      scene.bounds.empty() ? Vec3(0) : glm::max(glm::abs(scene.bounds.low), glm::abs(scene.bounds.high));
   return 0x1p-19f * max_component(glm::abs(p)) + 0x1p-21f * max_component(extreme);
 }
 

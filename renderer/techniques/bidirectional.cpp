@@ -42,9 +42,19 @@ struct Parameters {
         near(static_cast<float>(values.get("bidirectional.near"))) {}
 
   CountedCut sampler(const FrameView& frame) const {
-    return near > 0 ? CountedCut(*frame.tree, *frame.cut, counting, near) : CountedCut(*frame.cut, counting);
+    return near > 0 && frame.runs(Stage::near_clusters)
+               ? CountedCut(*frame.tree, *frame.cut, planned(frame, counting), near)
+               : CountedCut(*frame.cut, planned(frame, counting));
   }
 };
+
+StageSet own_stages(const SettingValues& values, Target, const LightKinds&) {
+  const Parameters parameters(values);
+  return StageSet()
+      .add(Stage::cut)
+      .add(Stage::counted_brdf_rays, parameters.counting.ray_count > 0)
+      .add(Stage::near_clusters, parameters.near > 0 && parameters.form == Form::repaired);
+}
 
 class PrintedSampler {
  public:
@@ -55,6 +65,9 @@ class PrintedSampler {
   void draw(RandomStream& random, std::span<LightSample> out) const { distribution_.draw(cut_, random, out); }
   const CutDistribution& distribution() const { return distribution_; }
   const Cut& cut() const { return cut_; }
+  void count_stages(StageCounters& counters) const {
+    counters[Stage::counted_brdf_rays].calls += counted_rays_;
+  }
 
  private:
   const Cut& cut_;
@@ -63,6 +76,7 @@ class PrintedSampler {
   CutDistribution distribution_;
   ClusterCounter counter_;
   RayBundle rays_;
+  uint64_t counted_rays_ = 0;
 };
 
 bool PrintedSampler::begin_pixel(const GBufferTexel& texel, RandomStream& random) {
@@ -83,6 +97,7 @@ bool PrintedSampler::begin_pixel(const GBufferTexel& texel, RandomStream& random
   }
   if (ray_count_ > 0 && texel.brdf.has_specular()) {
     shoot_lobe_rays(texel, ray_count_, random, rays_);
+    counted_rays_ += ray_count_;
     const float rays = static_cast<float>(ray_count_);
     for (const auto& [k, hits] : counter_.count(cut_, texel.position, {}, rays_, CountRule::whole)) {
       const Vec3 to = towards(k);
@@ -102,8 +117,9 @@ class Bidirectional final : public Technique {
   PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
     const Parameters parameters(*frame.settings);
     if (parameters.form == Form::printed)
-      return run_sampler_pass<PrintedSampler>(
-          frame, request, film, [&] { return PrintedSampler(frame, parameters.counting.ray_count); });
+      return run_sampler_pass<PrintedSampler>(frame, request, film, [&] {
+        return PrintedSampler(frame, planned(frame, parameters.counting).ray_count);
+      });
     return run_sampler_pass<CountedCut>(frame, request, film, [&] { return parameters.sampler(frame); });
   }
 
@@ -130,7 +146,7 @@ TechniqueInfo bidirectional_technique() {
           settings,
           []() -> std::unique_ptr<Technique> { return std::make_unique<Bidirectional>(); },
           "unbiased for the sum over S; with form = printed a cluster that no ray met is lost",
-          true};
+          own_stages};
 }
 
 }  // namespace halflight

@@ -26,6 +26,10 @@ class BrdfSampling final : public Technique {
     return run_sampler_pass<CountedCut>(frame, request, film, [&] { return brdf_cut_.sampler(); });
   }
 
+  void count_held(const FrameView& frame, StageCounters& counters) const override {
+    if (frame.target == Target::discrete) brdf_cut_.count_held(frame, counters);
+  }
+
   std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
                                          uint32_t pixel) override {
     if (frame.target == Target::continuous) return std::nullopt;
@@ -40,6 +44,11 @@ class BrdfSampling final : public Technique {
   BrdfTraced traced_;
 };
 
+StageSet own_stages(const SettingValues& values, Target target, const LightKinds& kinds) {
+  if (target == Target::continuous) return StageSet().add(Stage::traced_brdf_rays, kinds.met_by_rays());
+  return StageSet().add(Stage::cut).add(Stage::counted_brdf_rays, values.get("brdf.brdf-samples") > 0);
+}
+
 }  // namespace
 
 TechniqueInfo brdf_technique() {
@@ -51,7 +60,7 @@ TechniqueInfo brdf_technique() {
           brdf_settings(),
           []() -> std::unique_ptr<Technique> { return std::make_unique<BrdfSampling>(); },
           "unbiased for the sum over S or the integral; blind to the light",
-          true,
+          own_stages,
           true};
 }
 

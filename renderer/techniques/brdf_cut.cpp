@@ -22,10 +22,14 @@ constexpr std::array settings{
 std::span<const SettingInfo> brdf_settings() { return settings; }
 
 void BrdfCut::prepare(const FrameView& frame) {
-  cut = equal_radiance_cut(*frame.tree, *frame.cut);
-  parameters = {static_cast<uint32_t>(frame.settings->get("brdf.brdf-samples")),
-                static_cast<float>(frame.settings->get("brdf.tau")),
-                static_cast<float>(frame.settings->get("brdf.alpha"))};
+  cut = frame.tree->lights.empty() ? Cut() : equal_radiance_cut(*frame.tree, *frame.cut);
+  parameters = planned(frame, {static_cast<uint32_t>(frame.settings->get("brdf.brdf-samples")),
+                               static_cast<float>(frame.settings->get("brdf.tau")),
+                               static_cast<float>(frame.settings->get("brdf.alpha"))});
+}
+
+void BrdfCut::count_held(const FrameView& frame, StageCounters& counters) const {
+  counters[frame.cut_stage()].bytes += held_bytes(cut);
 }
 
 }  // namespace halflight

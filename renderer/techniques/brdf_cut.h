@@ -17,6 +17,7 @@ struct BrdfCut {
   void prepare(const FrameView&);
   /// One thread's sampler; valid until the next `prepare`.
   CountedCut sampler() const { return CountedCut(cut, parameters); }
+  void count_held(const FrameView&, StageCounters&) const;
 };
 
 }  // namespace halflight

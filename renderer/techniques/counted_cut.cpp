@@ -25,6 +25,12 @@ void shoot_lobe_rays(const GBufferTexel& texel, uint32_t ray_count, RandomStream
   }
 }
 
+CountedCutParameters planned(const FrameView& frame, CountedCutParameters parameters) {
+  if (!frame.runs(Stage::counted_brdf_rays)) parameters.ray_count = 0;
+  parameters.always = frame.forced.has(Stage::counted_brdf_rays);
+  return parameters;
+}
+
 CountedCut::CountedCut(const Cut& cut, const CountedCutParameters& parameters)
     : cut_(&cut), parameters_(parameters), guard_(cut.padded_size()), arriving_(cut.padded_size()) {}
 
@@ -39,24 +45,33 @@ CountedCut::CountedCut(const LightTree& tree, const Cut& cut, const CountedCutPa
 void CountedCut::begin_group(const Aabb& points) {
   if (!tile_cut_ || points.empty()) return;
   tile_cut_->refine(points, most_reach_);
+  ++refined_blocks_;
   guard_.resize(cut_->padded_size());
   arriving_.resize(cut_->padded_size());
 }
 
 bool CountedCut::begin_pixel(const GBufferTexel& texel, RandomStream& random) {
-  const bool counts = parameters_.ray_count > 0 && texel.brdf.has_specular() &&
-                      lobe_variance(texel.brdf) * static_cast<float>(cut_->size) < narrow_lobe;
+  const bool narrow =
+      texel.brdf.has_specular() && lobe_variance(texel.brdf) * static_cast<float>(cut_->size) < narrow_lobe;
+  const bool counts = parameters_.ray_count > 0 && (narrow || parameters_.always);
   const float rays = counts ? static_cast<float>(parameters_.ray_count) : 0.0f;
   const float counted = counts ? rays / (rays + parameters_.tau) : 0.0f;
   const std::span<float> importance = distribution_.importance(*cut_);
   analytic_importance(*cut_, texel, counted, {importance, guard_, arriving_});
   if (counts) {
     shoot_lobe_rays(texel, parameters_.ray_count, random, rays_);
+    counted_rays_ += parameters_.ray_count;
     const float scale = specular_strength(texel) / (rays + parameters_.tau);
     for (const auto& [k, hits] : counter_.count(*cut_, texel.position, arriving_, rays_, CountRule::shared))
       importance[k] += cut_->radiance[k] * scale * hits;
   }
   return distribution_.build(*cut_, guard_, parameters_.alpha);
+}
+
+void CountedCut::count_stages(StageCounters& counters) const {
+  counters[Stage::counted_brdf_rays].calls += counted_rays_;
+  counters[Stage::near_clusters].calls += refined_blocks_;
+  if (tile_cut_) counters[Stage::near_clusters].bytes += held_bytes(tile_cut_->cut());
 }
 
 }  // namespace halflight

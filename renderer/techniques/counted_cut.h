@@ -9,15 +9,19 @@
 #include "lights/cut_distribution.h"
 #include "lights/tile_cut.h"
 #include "scene/gbuffer.h"
-#include "techniques/settings.h"
+#include "techniques/technique.h"
 
 namespace halflight {
 
 struct CountedCutParameters {
-  uint32_t ray_count;  ///< N_ρ; at most RayBundle::capacity
-  float tau;           ///< weight of the analytic estimate, in rays
-  float alpha;         ///< share of draws that ignore the BRDF
+  uint32_t ray_count;   ///< N_ρ; at most RayBundle::capacity
+  float tau;            ///< weight of the analytic estimate, in rays
+  float alpha;          ///< share of draws that ignore the BRDF
+  bool always = false;  ///< counts on lobes of every width, and where there is none (benchmarks)
 };
+
+/// Counting rays that the plan leaves out are none.
+CountedCutParameters planned(const FrameView&, CountedCutParameters);
 
 /// `ray_count` directions of the specular lobe; those below the horizon are lost, as their light is.
 void shoot_lobe_rays(const GBufferTexel&, uint32_t ray_count, RandomStream&, RayBundle&);
@@ -40,6 +44,7 @@ class CountedCut {
   }
   const Cut& cut() const { return *cut_; }
   const CutDistribution& distribution() const { return distribution_; }
+  void count_stages(StageCounters&) const;
 
  private:
   std::unique_ptr<TileCut> tile_cut_;  ///< null where nothing is split
@@ -50,6 +55,7 @@ class CountedCut {
   ClusterCounter counter_;
   RayBundle rays_;
   std::vector<float> guard_, arriving_;
+  uint64_t counted_rays_ = 0, refined_blocks_ = 0;
 };
 
 }  // namespace halflight

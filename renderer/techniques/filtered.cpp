@@ -49,7 +49,10 @@ class Filtered final : public Technique {
     Stopwatch watch;
     PassStats stats;
     FilteredResult lit;
-    if (frame.kinds.environment) lit = frame.raster->filtered_light(*frame.gbuffer, wanted);
+    if (frame.kinds.environment) {
+      lit = frame.raster->filtered_light(*frame.gbuffer, wanted);
+      stats.stages[Stage::gpu_environment].calls = 1;
+    }
     stats.gpu_seconds = lit.gpu_seconds;
     stats.sampling_seconds = watch.lap() * thread_count();
     stats.finished = lit.finished;

@@ -48,15 +48,32 @@ HalflightParameters parameters_of(const SettingValues& values) {
   return parameters;
 }
 
+StageSet own_stages(const SettingValues& values, Target, const LightKinds& kinds) {
+  const HalflightParameters parameters = parameters_of(values);
+  return StageSet()
+      .add(Stage::strata)
+      .add(Stage::pilot_set)
+      .add(Stage::cut)
+      .add(Stage::traced_brdf_rays,
+           kinds.met_by_rays() && (parameters.brdf_share > 0 || parameters.narrow_share > 0))
+      .add(Stage::learned_visibility, parameters.visibility);
+}
+
 class Halflight final : public Technique {
  public:
   void prepare(const FrameView&) override { lights_.reset(); }
 
+  void count_held(const FrameView& frame, StageCounters& counters) const override {
+    if (lights_) lights_->count_held(frame, counters);
+    counters[Stage::learned_visibility].bytes += visibility_.held_bytes();
+  }
+
   PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
-    const HalflightParameters parameters = parameters_of(*frame.settings);
+    HalflightParameters parameters = parameters_of(*frame.settings);
+    parameters.visibility &= frame.runs(Stage::learned_visibility);
     PassStats stats;
     Stopwatch watch;
-    prepare_round(frame, request, parameters, stats.rays);
+    prepare_round(frame, request, parameters, stats);
     stats.lights_seconds = watch.seconds();
 
     tbb::enumerable_thread_specific<HalflightSampler> samplers(
@@ -74,7 +91,7 @@ class Halflight final : public Technique {
   }
 
  private:
-  void prepare_round(const FrameView&, const PassRequest&, const HalflightParameters&, RayCounters&);
+  void prepare_round(const FrameView&, const PassRequest&, const HalflightParameters&, PassStats&);
 
   std::unique_ptr<LearnedLights> lights_;
   LearnedVisibility visibility_;
@@ -83,16 +100,18 @@ class Halflight final : public Technique {
 };
 
 void Halflight::prepare_round(const FrameView& frame, const PassRequest& request,
-                              const HalflightParameters& parameters, RayCounters& counters) {
+                              const HalflightParameters& parameters, PassStats& stats) {
   const bool fresh = !lights_;
   if (fresh) {
-    lights_ = std::make_unique<LearnedLights>(frame, parameters.pilot_rays, counters);
+    lights_ = std::make_unique<LearnedLights>(frame, parameters.pilot_rays, stats);
     has_set_ = false;
   }
   const bool begins_again = has_set_ && request.pass == round_ && request.offset == 0;
   const int width = frame.gbuffer->width, height = frame.gbuffer->height;
   const size_t clusters = lights_->cut().padded_size();
-  if (!visibility_.fits(width, height, clusters))
+  if (!parameters.visibility)
+    visibility_ = {};
+  else if (!visibility_.fits(width, height, clusters))
     visibility_ = LearnedVisibility(width, height, clusters);
   else if (fresh || request.pass < round_ || begins_again)
     visibility_.forget();  // rounds repeat their numbers: what they taught before belongs to these very sets
@@ -111,7 +130,7 @@ void Halflight::prepare_round(const FrameView& frame, const PassRequest& request
     const double points = std::max(1u, lights_->point_count());
     rays = static_cast<uint32_t>(std::clamp(round_rays / 8 / points, 1.0, 16.0));
   }
-  lights_->draw_set(frame, request.pass, rays, counters);
+  lights_->draw_set(frame, request.pass, rays, stats);
 }
 
 }  // namespace
@@ -128,6 +147,8 @@ TechniqueInfo halflight_technique() {
   info.leaves_s_when_continuous = true;
   info.has_own_lights = true;
   info.samples_a_round = 64;
+  info.stages = own_stages;
+  info.spares_brdf_rays = true;
   return info;
 }
 

@@ -85,7 +85,7 @@ void HalflightSampler::render(TracedWorker& worker, std::span<const uint32_t> pi
     const auto block = pixels.subspan(first, end - first);
     look_at_block(worker, block, first);
     if (views_.empty()) continue;
-    prepare_visibility(block.front());
+    prepare_visibility(worker, block.front());
     sort_by_group();
     size_t begin = 0;
     for (const Group& group : groups_) {
@@ -115,7 +115,7 @@ void HalflightSampler::look_at_block(TracedWorker& worker, std::span<const uint3
       view.seen = positions_.at(first_in_tile + place, position);
       for (size_t half = 0; half < 2; ++half)
         view.samples[half] = share_of_position(split[half], position, positions);
-      if (!worker.reflects(*view.seen.texel)) {
+      if (!frame_.kinds.any() || !worker.reflects(*view.seen.texel)) {
         worker.add_base(view.pixel, view.seen, view.samples);
         continue;
       }
@@ -147,10 +147,11 @@ void HalflightSampler::sort_by_group() {
   for (const View& view : views_) sorted_[next[view.group]++] = view;
 }
 
-void HalflightSampler::prepare_visibility(uint32_t pixel) {
+void HalflightSampler::prepare_visibility(TracedWorker& worker, uint32_t pixel) {
   if (!parameters_.visibility) return;
   const uint32_t tile = visibility_.tile_of(pixel);
   if (tile == tile_) return;
+  ++worker.stats().stages[Stage::learned_visibility].calls;
   tile_ = tile;
   counts_ = visibility_.pending(tile);
   visibility_.factors(tile, factor_);
@@ -172,7 +173,7 @@ bool HalflightSampler::is_narrow(const Brdf& brdf) const {
 
 float HalflightSampler::brdf_share(const GBufferTexel& texel) const {
   const LightKinds& kinds = frame_.kinds;
-  if (!kinds.environment && !kinds.emitters && !kinds.surfaces) return 0;  // rays never meet punctual light
+  if (!kinds.met_by_rays() || !frame_.runs(Stage::traced_brdf_rays)) return 0;
   const Brdf& brdf = texel.brdf;
   float share = parameters_.brdf_share;
   if (is_mirror(brdf)) {

@@ -55,7 +55,7 @@ class HalflightSampler {
   void draw_and_deal(size_t views, RandomStream&);
   void draw_view(TracedWorker&, const View&, size_t index, float share, int half, RandomStream&);
   void connect(TracedWorker&, int half, float expected_samples);
-  void prepare_visibility(uint32_t pixel);
+  void prepare_visibility(TracedWorker&, uint32_t pixel);
   bool build(const GBufferTexel&);
   bool is_narrow(const Brdf&) const;
   float brdf_share(const GBufferTexel&) const;

@@ -56,7 +56,8 @@ TechniqueInfo illumination_technique() {
           Bias::unbiased,
           {},
           []() -> std::unique_ptr<Technique> { return std::make_unique<Illumination>(); },
-          "unbiased for the sum over S; blind to the BRDF and to distance"};
+          "unbiased for the sum over S; blind to the BRDF and to distance",
+          reads_cut};
 }
 
 }  // namespace halflight

@@ -176,6 +176,10 @@ class IndirectGatherer {
   ConnectionBatch batch_;
 };
 
+StageSet own_stages(const SettingValues&, Target, const LightKinds& kinds) {
+  return StageSet().add(Stage::traced_brdf_rays, kinds.environment || kinds.emitters);
+}
+
 class Instant final : public Technique {
  public:
   void prepare(const FrameView& frame) override {
@@ -244,7 +248,8 @@ TechniqueInfo instant_technique() {
           Bias::biased,
           settings,
           []() -> std::unique_ptr<Technique> { return std::make_unique<Instant>(); },
-          "biased: near light is faded out, surfaces return light as Lambertian ones; all bounces"};
+          "biased: near light is faded out, surfaces return light as Lambertian ones; all bounces",
+          own_stages};
 }
 
 }  // namespace halflight

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/random.h"
+#include "core/vector_bytes.h"
 #include "techniques/light_stage.h"
 #include "trace/ray_gbuffer.h"
 
@@ -53,7 +54,7 @@ std::vector<Vec3> smoothed_radiances(const LightTree& tree, const std::vector<fl
 
 }  // namespace
 
-LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, RayCounters& counters)
+LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, PassStats& stats)
     : sources_(*frame.scene, frame.kinds),
       strata_(*frame.scene,
               {frame.kinds.environment, frame.kinds.emitters, frame.kinds.surfaces, frame.kinds.punctual},
@@ -62,18 +63,22 @@ LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, RayCou
   const uint32_t rays = std::max(1u, pilot_rays / pilot_sets);
   for (uint32_t i = 0; i < pilot_sets; ++i) {
     std::vector<VirtualLight> set =
-        draw(frame, hash_combine(hash_combine(frame.seed, pilot), i), rays, counters);
+        draw(frame, hash_combine(hash_combine(frame.seed, pilot), i), rays, stats.rays);
     see(set, pilot_);
     if (i == 0) tree_ = build_light_tree(std::move(set));
   }
   seen_ = pilot_;
   use_powers();
-  cut_ = illumination_cut(tree_, cut_settings(*frame.settings));
+  cut_ = illumination_cut(tree_, cut_settings(*frame.settings, !frame.runs(Stage::cut)));
   leaf_of_.resize(strata_.size());
   for (uint32_t i = 0; i < tree_.original.size(); ++i) leaf_of_[tree_.original[i]] = i;
   cluster_of_.assign(tree_.lights.size(), none);
   for (uint32_t k = 0; k < cut_.size; ++k)
     std::fill(cluster_of_.begin() + cut_.begin[k], cluster_of_.begin() + cut_.end[k], k);
+  if (strata_.size() == 0) return;
+  for (const Stage stage : {Stage::strata, Stage::light_tree}) ++stats.stages[stage].calls;
+  if (frame.runs(Stage::cut)) ++stats.stages[Stage::cut].calls;
+  if (strata_.surface_count() > 0) ++stats.stages[Stage::pilot_set].calls;
 }
 
 void LearnedLights::see(std::span<const VirtualLight> set, Seen& seen) const {
@@ -131,11 +136,27 @@ std::vector<VirtualLight> LearnedLights::draw(const FrameView& frame, uint64_t s
 }
 
 void LearnedLights::draw_set(const FrameView& frame, uint64_t round, uint32_t rays_a_point,
-                             RayCounters& counters) {
+                             PassStats& stats) {
   const std::vector<VirtualLight> set =
-      draw(frame, hash_combine(frame.seed, round + 1), rays_a_point, counters);
+      draw(frame, hash_combine(frame.seed, round + 1), rays_a_point, stats.rays);
   lights_.resize(set.size());
   for (size_t i = 0; i < set.size(); ++i) lights_[i] = set[tree_.original[i]];
+  for (const auto& [stage, count] : members()) stats.stages[stage].calls += count > 0;
+}
+
+std::array<std::pair<Stage, uint32_t>, light_kind_count> LearnedLights::members() const {
+  return {{{Stage::environment_points, strata_.emitters_begin()},
+           {Stage::emitter_points, strata_.surfaces_begin() - strata_.emitters_begin()},
+           {Stage::surface_points, strata_.punctual_begin() - strata_.surfaces_begin()},
+           {Stage::punctual_points, strata_.size() - strata_.punctual_begin()}}};
+}
+
+void LearnedLights::count_held(const FrameView& frame, StageCounters& counters) const {
+  for (const auto& [stage, count] : members()) counters[stage].bytes += count * sizeof(VirtualLight);
+  if (strata_.size() == 0) return;
+  counters[Stage::strata].bytes += strata_.held_bytes();
+  counters[Stage::light_tree].bytes += held_bytes(tree_) + vector_bytes(leaf_of_, cluster_of_);
+  counters[frame.cut_stage()].bytes += held_bytes(cut_);
 }
 
 std::optional<LearnedLights::Met> LearnedLights::met(uint32_t stratum, float measure) const {

@@ -4,7 +4,9 @@
 // (ESTIMATORS: "Continuous mode").
 #pragma once
 
+#include <array>
 #include <optional>
+#include <utility>
 
 #include "lights/cut_distribution.h"
 #include "lights/light_strata.h"
@@ -17,15 +19,17 @@ class LearnedLights {
   static constexpr uint32_t none = LightStrata::none;
 
   /// Makes strata, pilot sets, tree and cut for the frame's scene and kinds of light; `pilot_rays` light a
-  /// stratum in all sets of the pilot together.
-  LearnedLights(const FrameView&, uint32_t pilot_rays, RayCounters&);
+  /// stratum in all sets of the pilot together. Rays and stages are counted in the pass.
+  LearnedLights(const FrameView&, uint32_t pilot_rays, PassStats&);
 
   /// Takes what the set in hand has shown into the powers of later rounds; that set is done with.
   void learn();
   /// What rounds have taught is forgotten; the pilot sets stay.
   void forget();
   /// Draws the set of a round, its points lit by `rays_a_point` rays.
-  void draw_set(const FrameView&, uint64_t round, uint32_t rays_a_point, RayCounters&);
+  void draw_set(const FrameView&, uint64_t round, uint32_t rays_a_point, PassStats&);
+
+  void count_held(const FrameView&, StageCounters&) const;
 
   const LightSources& sources() const { return sources_; }
   const LightTree& tree() const { return tree_; }
@@ -59,6 +63,8 @@ class LearnedLights {
   void use_powers();
   std::vector<VirtualLight> draw(const FrameView&, uint64_t seed, uint32_t rays_a_point, RayCounters&) const;
   std::optional<Met> met(uint32_t stratum, float measure) const;
+  /// How many of a set each stage places.
+  std::array<std::pair<Stage, uint32_t>, light_kind_count> members() const;
 
   LightSources sources_;
   LightStrata strata_;

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "core/vector_bytes.h"
+
 namespace halflight {
 
 /// Light samples of one cluster, drawn and arrived, in one tile.
@@ -29,6 +31,7 @@ class LearnedVisibility {
     const uint32_t width = static_cast<uint32_t>(width_), x = pixel % width, y = pixel / width;
     return y / side * columns_ + x / side;
   }
+  size_t held_bytes() const { return vector_bytes(pending_, known_); }
   /// What this round finds; one thread writes to a tile.
   std::span<VisibilityCount> pending(uint32_t tile) {
     return {pending_.data() + tile * clusters_, clusters_};

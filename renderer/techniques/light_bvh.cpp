@@ -39,7 +39,7 @@ class BvhSampler {
 
 class LightBvh final : public Technique {
  public:
-  void prepare(const FrameView& frame) override { tree_.build(*frame.tree, frame.cut->power_unit); }
+  void prepare(const FrameView& frame) override { tree_.build(*frame.tree, power_unit(*frame.tree)); }
 
   PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
     return run_sampler_pass<BvhSampler>(frame, request, film,

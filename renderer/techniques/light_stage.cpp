@@ -4,6 +4,7 @@
 
 #include "core/random.h"
 #include "core/stopwatch.h"
+#include "core/vector_bytes.h"
 
 namespace halflight {
 
@@ -22,8 +23,9 @@ bool same_places(const LightTree& tree, const std::vector<VirtualLight>& lights)
 
 }  // namespace
 
-CutSettings cut_settings(const SettingValues& values) {
+CutSettings cut_settings(const SettingValues& values, bool leaves) {
   CutSettings cut;
+  cut.leaves = leaves;
   cut.relative_error = static_cast<float>(values.get("cut.error"));
   cut.sigma = static_cast<float>(values.get("cut.sigma"));
   cut.least = static_cast<uint32_t>(values.get("cut.least"));
@@ -32,26 +34,40 @@ CutSettings cut_settings(const SettingValues& values) {
 }
 
 std::vector<VirtualLight> LightStage::gather(const Scene& scene, const LightPointsFunction& light_points) {
-  Stopwatch watch;
   std::vector<VirtualLight> all;
-  const auto append = [&](std::vector<VirtualLight> more) {
+  const auto place = [&](Stage stage, const auto& make) {
+    Stopwatch watch;
+    const std::vector<VirtualLight> more = make();
     all.insert(all.end(), more.begin(), more.end());
+    StageCounter& counter = counters_[stage];
+    ++counter.calls;
+    counter.bytes = more.size() * sizeof(VirtualLight);
+    counter.seconds += watch.seconds();
   };
-  if (kinds_.environment) append(environment_points(scene.environment, point_settings_));
-  if (kinds_.emitters) append(emitter_points(scene, point_settings_));
-  times_.points += watch.lap();
-  if (kinds_.surfaces && !bounce_points_.empty()) {
-    append(bounce_lights(bounce_points_, light_points(bounce_points_)));
-    times_.lighting = watch.lap();
-  }
-  if (kinds_.punctual) append(punctual_points(scene));
-  times_.points += watch.lap();
+  if (kinds_.environment)
+    place(Stage::environment_points, [&] { return environment_points(scene.environment, point_settings_); });
+  if (kinds_.emitters) place(Stage::emitter_points, [&] { return emitter_points(scene, point_settings_); });
+  if (kinds_.surfaces && !bounce_points_.empty())
+    place(Stage::surface_points, [&] { return bounce_lights(bounce_points_, light_points(bounce_points_)); });
+  if (kinds_.punctual) place(Stage::punctual_points, [&] { return punctual_points(scene); });
+  counters_[Stage::surface_points].bytes += vector_bytes(bounce_points_);
   return all;
 }
 
+void LightStage::make_cut(const SettingValues& values, CutMaking making) {
+  Stopwatch watch;
+  cut_ = making == CutMaking::none
+             ? Cut()
+             : illumination_cut(tree_, cut_settings(values, making == CutMaking::leaves));
+  counters_[Stage::light_tree].bytes = vector_bytes(tree_.nodes, tree_.original);
+  if (making == CutMaking::leaves) counters_[Stage::light_tree].bytes += held_bytes(cut_);
+  if (making != CutMaking::refined) return;
+  counters_[Stage::cut] = {1, held_bytes(cut_), watch.seconds()};
+}
+
 void LightStage::build(const Scene& scene, const LightKinds& kinds, const SettingValues& values,
-                       uint64_t pass_seed, const LightPointsFunction& light_points) {
-  times_ = {};
+                       CutMaking cut_making, uint64_t pass_seed, const LightPointsFunction& light_points) {
+  counters_ = {};
   kinds_ = kinds;
   point_settings_.count = static_cast<uint32_t>(values.get("lights.count"));
   point_settings_.seed = hash_combine(static_cast<uint64_t>(values.get("lights.seed")), pass_seed);
@@ -59,20 +75,21 @@ void LightStage::build(const Scene& scene, const LightKinds& kinds, const Settin
   // Pushed points have no known density: redrawn sets stay stratified, so that their mean is the integral.
   if (pass_seed != 0) point_settings_.repulsion_steps = 0;
   Stopwatch watch;
-  bounce_points_.clear();
-  if (kinds_.surfaces) bounce_points_ = spread_surface_points(scene, point_settings_);
-  times_.points = watch.seconds();
+  bounce_points_ = std::vector<BouncePoint>();  // and gives its memory back
+  if (kinds_.surfaces) {
+    bounce_points_ = spread_surface_points(scene, point_settings_);
+    counters_[Stage::surface_points].seconds = watch.seconds();
+  }
   std::vector<VirtualLight> lights = gather(scene, light_points);
   watch.lap();
   tree_ = build_light_tree(std::move(lights));
-  times_.tree = watch.lap();
-  cut_ = illumination_cut(tree_, cut_settings(values));
-  times_.cut = watch.lap();
+  counters_[Stage::light_tree] = {1, 0, watch.lap()};
+  make_cut(values, cut_making);
 }
 
-void LightStage::relight(const Scene& scene, const SettingValues& values,
+void LightStage::relight(const Scene& scene, const SettingValues& values, CutMaking cut_making,
                          const LightPointsFunction& light_points) {
-  times_ = {};
+  counters_ = {};
   std::vector<VirtualLight> lights = gather(scene, light_points);
   Stopwatch watch;
   if (same_places(tree_, lights)) {
@@ -83,9 +100,8 @@ void LightStage::relight(const Scene& scene, const SettingValues& values,
   } else {
     tree_ = build_light_tree(std::move(lights));
   }
-  times_.tree = watch.lap();
-  cut_ = illumination_cut(tree_, cut_settings(values));
-  times_.cut = watch.lap();
+  counters_[Stage::light_tree] = {1, 0, watch.lap()};
+  make_cut(values, cut_making);
 }
 
 }  // namespace halflight

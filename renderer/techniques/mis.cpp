@@ -33,8 +33,10 @@ class MisSampler {
   MisSampler(const FrameView& frame, const MisTables& tables)
       : cut_(frame.cut), tables_(&tables), brdf_(tables.brdf.sampler()) {}
 
+  void count_stages(StageCounters& counters) const { brdf_.count_stages(counters); }
+
   bool begin_pixel(const GBufferTexel& texel, RandomStream& random) {
-    has_brdf_ = tables_->drawable && brdf_.begin_pixel(texel, random);
+    has_brdf_ = tables_->drawable && tables_->brdf_share > 0 && brdf_.begin_pixel(texel, random);
     return tables_->drawable;
   }
 
@@ -72,16 +74,33 @@ class MisSampler {
   std::vector<LightSample> parts_;
 };
 
+MisStrategy strategy_of(const SettingValues& values) {
+  return static_cast<MisStrategy>(static_cast<int>(values.get("mis.strategy")));
+}
+
+/// Share of the draws that follow the BRDF in the discrete target.
+double brdf_share_of(const SettingValues& values) {
+  const MisStrategy strategy = strategy_of(values);
+  return strategy == MisStrategy::both ? values.get("mis.brdf-share") : strategy == MisStrategy::brdf ? 1 : 0;
+}
+
+StageSet own_stages(const SettingValues& values, Target target, const LightKinds& kinds) {
+  if (target == Target::continuous)
+    return StageSet().add(Stage::traced_brdf_rays,
+                          mis_shares(kinds, strategy_of(values), values.get("mis.brdf-share"))[0] > 0);
+  return StageSet()
+      .add(Stage::cut)
+      .add(Stage::counted_brdf_rays, brdf_share_of(values) > 0 && values.get("brdf.brdf-samples") > 0);
+}
+
 class Mis final : public Technique {
  public:
   void prepare(const FrameView& frame) override {
     if (frame.target == Target::continuous) return traced_.prepare(frame);
-    tables_.brdf.prepare(frame);
+    tables_.brdf = {};
+    if (brdf_share_of(*frame.settings) > 0) tables_.brdf.prepare(frame);
     tables_.drawable = build_illumination(*frame.cut, tables_.illumination);
-    const auto strategy = static_cast<MisStrategy>(static_cast<int>(frame.settings->get("mis.strategy")));
-    tables_.brdf_share = strategy == MisStrategy::both   ? frame.settings->get("mis.brdf-share")
-                         : strategy == MisStrategy::brdf ? 1
-                                                         : 0;
+    tables_.brdf_share = brdf_share_of(*frame.settings);
     tables_.cluster.assign(frame.tree->lights.size(), frame.cut->size);
     for (uint32_t k = 0; k < frame.cut->size; ++k)
       std::fill(tables_.cluster.begin() + frame.cut->begin[k], tables_.cluster.begin() + frame.cut->end[k],
@@ -91,6 +110,10 @@ class Mis final : public Technique {
   PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
     if (frame.target == Target::continuous) return traced_.run_pass(frame, request, film);
     return run_sampler_pass<MisSampler>(frame, request, film, [&] { return MisSampler(frame, tables_); });
+  }
+
+  void count_held(const FrameView& frame, StageCounters& counters) const override {
+    if (frame.target == Target::discrete) tables_.brdf.count_held(frame, counters);
   }
 
   std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
@@ -116,7 +139,7 @@ TechniqueInfo mis_technique() {
           settings,
           []() -> std::unique_ptr<Technique> { return std::make_unique<Mis>(); },
           "unbiased for the sum over S or the integral",
-          true,
+          own_stages,
           true};
 }
 

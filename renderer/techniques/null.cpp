@@ -37,6 +37,7 @@ TechniqueInfo null_technique() {
                      {},
                      []() -> std::unique_ptr<Technique> { return std::make_unique<Null>(); },
                      "leaves out all light that other techniques sample"};
+  info.stages = reads_cut;
   info.hidden = true;
   return info;
 }

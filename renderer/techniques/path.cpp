@@ -49,6 +49,10 @@ struct PixelSubset {
   uint32_t y(size_t row) const { return first_y + static_cast<uint32_t>(row) * stride; }
 };
 
+StageSet own_stages(const SettingValues&, Target, const LightKinds& kinds) {
+  return StageSet().add(Stage::traced_brdf_rays, kinds.any());
+}
+
 class Path final : public Technique {
  public:
   void prepare(const FrameView& frame) override {
@@ -82,9 +86,11 @@ class Path final : public Technique {
       }
       local.rays = tracer.counters();
       local.useful_rays = tracer.useful_rays();
+      local.stages[Stage::traced_brdf_rays].calls = tracer.brdf_rays();
       std::lock_guard lock(mutex);
       stats += local;  // whole numbers: the order does not matter
     });
+    stats.stages[Stage::antialiasing].calls = 1;
     stats.sampling_seconds = watch.seconds() * thread_count();
     return stats;
   }
@@ -123,6 +129,7 @@ TechniqueInfo path_technique() {
                      settings,
                      []() -> std::unique_ptr<Technique> { return std::make_unique<Path>(); },
                      "unbiased for the integral; more bounces and whole BRDFs at them by settings"};
+  info.stages = own_stages;
   info.leaves_s_when_continuous = true;
   info.traces_from_camera = true;
   return info;

@@ -121,6 +121,7 @@ std::optional<PathTracer::Continuation> PathTracer::draw(const Vertex& vertex, R
   if (largest(next.reflected) == 0) return std::nullopt;
   const Vec3 origin = RayOrigin(scene_, vertex.position, vertex.geometric_normal).front;
   RayHit hit;
+  ++brdf_rays_;
   if (rays_.intersect(origin, next.wi, 0, infinity, alpha_seed_, hit, counters_)) next.hit = hit;
   return next;
 }

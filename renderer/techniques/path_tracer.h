@@ -49,6 +49,7 @@ class PathTracer {
 
   const RayCounters& counters() const { return counters_; }
   uint64_t useful_rays() const { return useful_rays_; }
+  uint64_t brdf_rays() const { return brdf_rays_; }
 
  private:
   /// A surface point that reflects light back along a path.
@@ -86,7 +87,7 @@ class PathTracer {
   std::vector<ShadowRay> shadow_rays_;
   std::vector<Vec3d> values_;  ///< one a shadow ray: what arrives if nothing is in its way
   RayCounters counters_;
-  uint64_t useful_rays_ = 0;
+  uint64_t useful_rays_ = 0, brdf_rays_ = 0;
 };
 
 }  // namespace halflight

@@ -38,6 +38,12 @@ concept HasPmf = LightSampler<S> && requires(const S& sampler) {
   { sampler.distribution() } -> std::same_as<const CutDistribution&>;
 };
 
+/// A sampler with stages of its own to account for: adds what it did to a pass's counters.
+template <class S>
+concept CountsStages = requires(const S& sampler, StageCounters& counters) {
+  sampler.count_stages(counters);
+};
+
 /// How many of a pass's samples each half of the film gets.
 std::array<uint32_t, 2> split_samples(const PassRequest&);
 
@@ -180,7 +186,10 @@ PassStats run_tiles(const FrameView& frame, const PassRequest& request, Film& fi
     }
   });
   PassStats stats;
-  for (Local& local : locals) stats += local.worker.stats();
+  for (Local& local : locals) {
+    stats += local.worker.stats();
+    if constexpr (CountsStages<decltype(local.sampler)>) local.sampler.count_stages(stats.stages);
+  }
   return stats;
 }
 
@@ -193,6 +202,10 @@ PassStats run_sampler_pass(const FrameView& frame, const PassRequest& request, F
     Sampler sampler;
     std::array<std::vector<LightSample>, 2> draws;
     PixelGroups groups;
+
+    void count_stages(StageCounters& counters) const {
+      if constexpr (CountsStages<Sampler>) sampler.count_stages(counters);
+    }
   };
   const auto make_state = [&] {
     State state{make_sampler(), {}, PixelGroups(*frame.gbuffer)};

@@ -53,6 +53,8 @@ Target choose_target(const TechniqueInfo& info, std::optional<Target> wanted) {
       fmt::format("technique '{}' does not run in the {} target", info.id, target_name(*wanted)));
 }
 
+StageSet reads_cut(const SettingValues&, Target, const LightKinds&) { return StageSet().add(Stage::cut); }
+
 bool uses_light_set(const TechniqueInfo& info, Target target) {
   if (info.target == TargetSupport::own) return false;
   return !(target == Target::continuous && info.leaves_s_when_continuous);
@@ -64,6 +66,7 @@ PassStats& PassStats::operator+=(const PassStats& o) {
   visibility_seconds += o.visibility_seconds, resolve_seconds += o.resolve_seconds;
   gpu_seconds += o.gpu_seconds;
   rays += o.rays;
+  stages += o.stages;
   useful_rays += o.useful_rays, pixels += o.pixels;
   finished = finished && o.finished;
   return *this;

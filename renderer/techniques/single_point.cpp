@@ -129,7 +129,8 @@ TechniqueInfo single_point_technique() {
           Bias::unbiased,
           settings,
           []() -> std::unique_ptr<Technique> { return std::make_unique<SinglePoint>(); },
-          "unbiased for the sum over S"};
+          "unbiased for the sum over S",
+          reads_cut};
 }
 
 }  // namespace halflight

@@ -125,7 +125,8 @@ TechniqueInfo sir_technique() {
           Bias::unbiased,
           settings,
           []() -> std::unique_ptr<Technique> { return std::make_unique<Sir>(); },
-          "unbiased for the sum over S"};
+          "unbiased for the sum over S",
+          reads_cut};
 }
 
 }  // namespace halflight

@@ -134,7 +134,7 @@ void LightcutSampler::share_out(uint32_t n) {
 
 class StochasticLightcuts final : public Technique {
  public:
-  void prepare(const FrameView& frame) override { tree_.build(*frame.tree, frame.cut->power_unit); }
+  void prepare(const FrameView& frame) override { tree_.build(*frame.tree, power_unit(*frame.tree)); }
 
   PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
     return run_sampler_pass<LightcutSampler>(frame, request, film, [&] { return sampler(frame); });

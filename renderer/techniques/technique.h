@@ -19,6 +19,7 @@
 #include "scene/camera.h"
 #include "scene/gbuffer.h"
 #include "techniques/settings.h"
+#include "techniques/stages.h"
 #include "trace/ray_scene.h"
 
 namespace halflight {
@@ -41,6 +42,9 @@ struct LightKinds {
   bool environment = false, emitters = false, surfaces = false, punctual = false;
 
   bool any() const { return environment || emitters || surfaces || punctual; }
+  bool met_by_rays() const { return environment || emitters || surfaces; }
+  /// At a distance from a pixel's point that may be small beside their size.
+  bool near() const { return emitters || surfaces; }
   bool operator==(const LightKinds&) const = default;
 };
 
@@ -65,6 +69,12 @@ struct FrameView {
   LightSelection light = LightSelection::all;  ///< what of the picture is asked for
   uint64_t seed = 0;
   uint32_t alpha_seed = 0;
+  StageSet stages = StageSet::all();  ///< what the plan has left in
+  StageSet forced;                    ///< of them, what the scene does not need (benchmarks)
+
+  bool runs(Stage stage) const { return stages.has(stage); }
+  /// Whose a cut's bytes are: one of the leaves themselves goes with the tree.
+  Stage cut_stage() const { return runs(Stage::cut) ? Stage::cut : Stage::light_tree; }
 
   GeometryTerm geometry_term() const {
     return target == Target::discrete ? GeometryTerm::bounded : GeometryTerm::exact;
@@ -95,6 +105,7 @@ struct PassStats {
   uint64_t useful_rays = 0;  ///< visibility rays that could carry light (f · L > 0)
   uint64_t pixels = 0;
   bool finished = true;  ///< false when stopped early
+  StageCounters stages;  ///< of stages that are the technique's own
 
   PassStats& operator+=(const PassStats&);
 };
@@ -112,6 +123,8 @@ class Technique {
   /// Called when lights, cut or settings changed, before the next pass.
   virtual void prepare(const FrameView&) {}
   virtual PassStats run_pass(const FrameView&, const PassRequest&, Film&) = 0;
+  /// Adds the bytes that it holds for stages between passes.
+  virtual void count_held(const FrameView&, StageCounters&) const {}
   /// Nothing where the technique has no probabilities to tell.
   virtual std::optional<PixelInspection> inspect(const FrameView&, const PassRequest&, uint32_t) {
     return std::nullopt;
@@ -124,20 +137,28 @@ struct TechniqueInfo {
   Bias bias;
   std::span<const SettingInfo> settings;
   std::unique_ptr<Technique> (*make)();
-  std::string_view note{};        ///< one line: what it is unbiased for, or what biases it
-  bool counts_brdf_rays = false;  ///< rays of specular lobes are counted over the cut
+  std::string_view note{};  ///< one line: what it is unbiased for, or what biases it
+  /// Stages that are the technique's own (the cut, if it reads it, among them) with these settings and kinds
+  /// of light to find; the plan leaves out what the scene does not need. Null: none.
+  StageSet (*stages)(const SettingValues&, Target, const LightKinds&) = nullptr;
   /// In the continuous target it follows rays into the scene itself: its mean is no sum over the frame's S.
   bool leaves_s_when_continuous = false;
   /// It finds the whole picture by its own rays from the camera: no G-buffer and no `base` are made for it.
   bool traces_from_camera = false;
   bool exact = false;  ///< one pass holds all the technique has to give; more passes repeat it
   Device device = Device::cpu;
-  bool hidden = false;  ///< found by its id, listed nowhere
+  bool hidden = false;          ///< found by its id, listed nowhere
   bool has_own_lights = false;  ///< instead of S, tree and cut of the frame it makes its own
   /// Continuous target: samples a pixel that one round uses well, being spread over the pixel. 1: all of a
   /// round's look through the one position of its G-buffer, and more rounds are worth more than larger ones.
   uint32_t samples_a_round = 1;
+  /// Its light samples know cosines, and BRDF rays are worth their cost only on specular lobes and near
+  /// light.
+  bool spares_brdf_rays = false;
 };
+
+/// `TechniqueInfo::stages` of those that read the cut and have no stages of their own.
+StageSet reads_cut(const SettingValues&, Target, const LightKinds&);
 
 /// Whether S, its tree and the cut are made for the technique in this target. Those with a target of their
 /// own have their own lights.

@@ -160,6 +160,7 @@ void TracedWorker::draw_brdf_rays(uint32_t count, RandomStream& random) {
 }
 
 void TracedWorker::push_brdf_ray(const BrdfRay& ray) {
+  ++stats_.stages[Stage::traced_brdf_rays].calls;
   const ShadowRay probe = shadow_ray(origin_, ray.wi, infinity);
   // Where only the environment is looked for, nothing needs to be known of what is in the way.
   if (!frame_.kinds.emitters && !frame_.kinds.surfaces) {

@@ -79,14 +79,17 @@ void init_context(EmbreeContext& context) { rtcInitIntersectContext(&context); }
 struct SeededContext {
   EmbreeContext embree;
   uint32_t alpha_seed;
+  uint64_t alpha_tests = 0;
 };
 
 /// Lets rays through the parts of masked and blended triangles that do not block.
 void alpha_filter(const RTCFilterFunctionNArguments* arguments) {
   const auto& geometry = *static_cast<const AlphaGeometry*>(arguments->geometryUserPtr);
-  const uint32_t seed = reinterpret_cast<const SeededContext*>(arguments->context)->alpha_seed;
+  auto& context = *reinterpret_cast<SeededContext*>(arguments->context);
+  const uint32_t seed = context.alpha_seed;
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] == 0) continue;
+    ++context.alpha_tests;
     const SurfacePoint point{
         geometry.triangles[RTCHitN_primID(arguments->hit, arguments->N, i)],
         {RTCHitN_u(arguments->hit, arguments->N, i), RTCHitN_v(arguments->hit, arguments->N, i)}};
@@ -118,7 +121,7 @@ bool count_memory(void* counter, ssize_t bytes, bool) {
 }  // namespace
 
 struct RayScene::Impl {
-  explicit Impl(const Scene& scene_in);
+  Impl(const Scene& scene_in, bool filter_all);
   void add_geometry(AlphaGeometry& geometry, bool is_filtered);
 
   const Scene& scene;
@@ -129,7 +132,7 @@ struct RayScene::Impl {
   AlphaGeometry opaque, filtered;
 };
 
-RayScene::Impl::Impl(const Scene& scene_in)
+RayScene::Impl::Impl(const Scene& scene_in, bool filter_all)
     : scene(scene_in), opaque{&scene_in, {}}, filtered{&scene_in, {}} {
   device.reset(rtcNewDevice(nullptr));
   if (!device) throw_embree_error(rtcGetDeviceError(nullptr), "starting Embree");
@@ -139,7 +142,8 @@ RayScene::Impl::Impl(const Scene& scene_in)
   // Rays along an edge that triangles share must meet one of them.
   rtcSetSceneFlags(embree_scene.get(), RTC_SCENE_FLAG_ROBUST);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-    const bool alpha = scene.materials[scene.triangle_material[i]].alpha_mode != AlphaMode::opaque;
+    const bool alpha =
+        filter_all || scene.materials[scene.triangle_material[i]].alpha_mode != AlphaMode::opaque;
     (alpha ? filtered : opaque).triangles.push_back(i);
   }
   add_geometry(opaque, false);
@@ -171,12 +175,15 @@ void RayScene::Impl::add_geometry(AlphaGeometry& geometry, bool is_filtered) {
   rtcAttachGeometryByID(embree_scene.get(), mesh.get(), is_filtered ? 1 : 0);
 }
 
-RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+RayScene::RayScene(const Scene& scene, bool filter_all) : impl_(std::make_unique<Impl>(scene, filter_all)) {}
 RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
 const Scene& RayScene::scene() const { return impl_->scene; }
+size_t RayScene::alpha_bytes() const {
+  return impl_->filtered.triangles.size() * (sizeof(uint32_t) + sizeof(UVec3));
+}
 size_t RayScene::memory_bytes() const { return static_cast<size_t>(std::max<int64_t>(impl_->memory, 0)); }
 
 bool RayScene::intersect(Vec3 origin, Vec3 direction, float near_distance, float far_distance,
@@ -203,6 +210,7 @@ bool RayScene::intersect(Vec3 origin, Vec3 direction, float near_distance, float
 #else
   rtcIntersect1(impl_->embree_scene.get(), &context.embree, &query);
 #endif
+  counters.alpha_tests += context.alpha_tests;
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   const AlphaGeometry& geometry = query.hit.geomID == 0 ? impl_->opaque : impl_->filtered;
   hit.distance = query.ray.tfar;
@@ -276,6 +284,7 @@ void RayScene::occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCount
   rtcOccluded1M(impl_->embree_scene.get(), &context.embree, reinterpret_cast<RTCRay*>(rays.data()),
                 static_cast<unsigned>(rays.size()), sizeof(ShadowRay));
 #endif
+  counters.alpha_tests += context.alpha_tests;
 }
 
 }  // namespace halflight

@@ -36,8 +36,10 @@ struct ClosestRay {
 
 struct RayCounters {
   uint64_t visibility = 0, closest = 0, rejected = 0;
+  uint64_t alpha_tests = 0;  ///< crossings of triangles that may let rays through
   RayCounters& operator+=(const RayCounters& o) {
     visibility += o.visibility, closest += o.closest, rejected += o.rejected;
+    alpha_tests += o.alpha_tests;
     return *this;
   }
 };
@@ -49,8 +51,9 @@ struct RayHit {
 
 class RayScene {
  public:
-  /// Builds the acceleration structure; keeps a reference to `scene`, whose vertices it shares.
-  explicit RayScene(const Scene& scene);
+  /// Builds the acceleration structure; keeps a reference to `scene`, whose vertices it shares. `filter_all`:
+  /// opaque triangles are asked for their alpha too, as if they had one (benchmarks).
+  explicit RayScene(const Scene& scene, bool filter_all = false);
   ~RayScene();
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
@@ -69,6 +72,7 @@ class RayScene {
   void occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCounters&) const;
 
   size_t memory_bytes() const;  ///< what Embree holds
+  size_t alpha_bytes() const;   ///< tables of the triangles that may let rays through
   const Scene& scene() const;
 
  private:

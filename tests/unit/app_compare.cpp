@@ -146,7 +146,7 @@ TEST_F(Compare, TheReportStandsAlone) {
   std::set<std::string> pictures;
   for (std::sregex_iterator at(html.begin(), html.end(), picture), end; at != end; ++at)
     pictures.insert((*at)[2]);
-  EXPECT_EQ(pictures.size(), 5u);
+  EXPECT_EQ(pictures.size(), 7u);  // the integral, and the map of how far the sum is from it, too
   for (const std::string& name : pictures)
     EXPECT_EQ(read_image(folder / "made/here" / name, LoadLimits{}).width, 32) << name;
 
@@ -207,6 +207,7 @@ TEST_F(Compare, TheContinuousReferenceKnowsItsOwnError) {
             0);
   const json report = json::parse(text_of(folder / "a/report.json"));
   EXPECT_EQ(report["reference"]["exact"], false);
+  EXPECT_TRUE(report["discretisation"].is_null());
   EXPECT_GT(report["reference"]["own_relmse"], 0);
   EXPECT_LT(report["reference"]["own_relmse"], report["techniques"][0]["points"][0]["relmse"]["value"]);
   // It is subtracted: what a picture differs by from the reference's own picture is more by as much.
@@ -220,6 +221,38 @@ TEST_F(Compare, TheContinuousReferenceKnowsItsOwnError) {
       0);
   const double raw = json::parse(text_of(at("e.json")))["relmse"], own = report["reference"]["own_relmse"];
   EXPECT_NEAR(std::stod(last[relmse]), raw - own, 1e-6 * raw);
+}
+
+TEST_F(Compare, TheSumsDistanceFromTheIntegralStandsApart) {
+  const auto report_of = [&](const std::string& name, const Arguments& more) {
+    Arguments all = race(name, {"--techniques", "illumination", "--equal", "samples", "--budgets", "64"});
+    all.insert(all.end(), more.begin(), more.end());
+    EXPECT_EQ(run(all).code, 0);
+    return json::parse(text_of(folder / name / "report.json"));
+  };
+  // The fewer members S has, the farther is its sum; and not how S is sampled.
+  const json few = report_of("few", {"--virtual-lights", "16"}),
+             many = report_of("many", {"--virtual-lights", "4096"});
+  const double far = few["discretisation"]["relmse"], near = many["discretisation"]["relmse"];
+  EXPECT_TRUE(few["discretisation"]["told_from_noise"]);
+  EXPECT_GT(far, 5 * std::max(near, 0.0));
+  EXPECT_GT(far, 10 * few["discretisation"]["own_relmse"].get<double>());
+  // Sampling error is independent of it: in a picture they add.
+  const double sampling = few["techniques"][0]["points"][0]["relmse"]["value"],
+               together = few["techniques"][0]["relmse_of_integral"];
+  EXPECT_NEAR(together, sampling + far, 0.3 * (sampling + far));
+  EXPECT_GT(together, far);
+  // It is what the pictures say.
+  ASSERT_EQ(run({"error", "few/images/reference.exr", "few/images/integral.exr", "--json", "e.json"}).code,
+            0);
+  const double raw = json::parse(text_of(at("e.json")))["relmse"], own = few["discretisation"]["own_relmse"];
+  EXPECT_NEAR(far, raw - own, 1e-6 * raw);
+  EXPECT_NE(text_of(folder / "few/report.html").find("Two errors"), std::string::npos);
+
+  const json without = report_of("without", {"--no-discretisation"});
+  EXPECT_TRUE(without["discretisation"].is_null());
+  EXPECT_FALSE(without["techniques"][0].contains("relmse_of_integral"));
+  EXPECT_EQ(text_of(folder / "without/report.html").find("Two errors"), std::string::npos);
 }
 
 TEST_F(Compare, AllRunsWhatCanAndSaysWhyTheRestDoesNot) {

@@ -29,9 +29,9 @@ Session open(const char* scene, const RenderSettings& settings, Messages& messag
   return Session(load_scene(scene, {}, messages), settings, messages);
 }
 
-const PlanStage* stage(const Plan& plan, std::string_view name) {
+const PlanStage* stage(const Plan& plan, Stage wanted) {
   for (const PlanStage& s : plan.stages)
-    if (s.stage == name) return &s;
+    if (s.stage == wanted) return &s;
   return nullptr;
 }
 
@@ -70,8 +70,8 @@ TEST(FilteredSession, OpensOpenGlWhenSwitchedToAndLetsItRestAfterwards) {
   EXPECT_EQ(session.stats().light_count, 0u);
   EXPECT_EQ(session.film().mean_samples(), 40);
   EXPECT_LT(session.estimated_relmse(), 0);
-  EXPECT_FALSE(session.plan().antialiased);
-  const PlanStage* gpu = stage(session.plan(), "environment on the GPU");
+  EXPECT_FALSE(session.plan().redraws);
+  const PlanStage* gpu = stage(session.plan(), Stage::gpu_environment);
   ASSERT_TRUE(gpu);
   EXPECT_TRUE(gpu->runs);
   EXPECT_NE(gpu->why.find("shadows"), std::string::npos);
@@ -86,7 +86,7 @@ TEST(FilteredSession, OpensOpenGlWhenSwitchedToAndLetsItRestAfterwards) {
   EXPECT_EQ(session.gl().has_value(), gl_before);
   EXPECT_EQ(session.frame().raster != nullptr, gl_before);
   EXPECT_EQ(session.film().image().pixels, before);
-  EXPECT_FALSE(stage(session.plan(), "environment on the GPU"));
+  EXPECT_FALSE(stage(session.plan(), Stage::gpu_environment));
   session.set_settings(small("filtered", Backend::automatic));
   session.run_pass(40, 1, 0);
   EXPECT_EQ(session.film().image().pixels, filtered);

@@ -15,9 +15,9 @@ RenderSettings small(const std::string& technique, std::optional<Target> target)
   return settings;
 }
 
-const PlanStage& stage(const Plan& plan, std::string_view name) {
+const PlanStage& stage(const Plan& plan, Stage wanted) {
   for (const PlanStage& s : plan.stages)
-    if (s.stage == name) return s;
+    if (s.stage == wanted) return s;
   throw std::runtime_error("no such stage");
 }
 
@@ -29,9 +29,10 @@ void expect_left_out(Session& session) {
   EXPECT_EQ(session.frame().tree->lights.size(), 0u);
   EXPECT_EQ(session.frame().cut->size, 0u);
   EXPECT_FALSE(session.plan().light_set);
-  for (const char* name : {"light tree and cut", "surface points", "emitter points", "brdf rays"}) {
-    EXPECT_FALSE(stage(session.plan(), name).runs) << name;
-    EXPECT_NE(stage(session.plan(), name).why.find("needs no S"), std::string::npos) << name;
+  for (const Stage left_out : {Stage::light_tree, Stage::cut, Stage::surface_points, Stage::emitter_points}) {
+    EXPECT_FALSE(stage(session.plan(), left_out).runs) << stage_name(left_out);
+    EXPECT_NE(stage(session.plan(), left_out).why.find("needs no S"), std::string::npos)
+        << stage_name(left_out);
   }
   EXPECT_GT(session.film().mean_radiance().y, 0);
 }
@@ -41,7 +42,7 @@ void expect_made(Session& session) {
   EXPECT_GT(session.stats().light_count, 0u);
   EXPECT_GT(session.stats().cut_size, 0u);
   EXPECT_GT(session.stats().seconds.lights, 0);
-  EXPECT_TRUE(stage(session.plan(), "light tree and cut").runs);
+  EXPECT_TRUE(stage(session.plan(), Stage::light_tree).runs);
 }
 
 TEST(LightSet, IsLeftOutForTechniquesThatFollowRays) {

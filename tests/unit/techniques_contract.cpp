@@ -119,7 +119,14 @@ TEST_P(TechniqueContract, DrawsFollowTheProbabilities) {
       for (size_t i = 0; i < expected.size(); ++i) expected[i] += samples * inspection->probability[i];
       for (const LightSample& draw : inspection->draws) observed[draw.light] += 1;
     }
-    EXPECT_GT(chi_square_p(observed, expected), 1e-3);
+    EXPECT_GT(chi_square_p(observed, expected), 1e-3) << "leaves";
+    // Nodes: the cut's clusters, whose counts are large enough to show what single leaves hide.
+    std::vector<double> observed_nodes(room.cut.size), expected_nodes(room.cut.size);
+    for (uint32_t k = 0; k < room.cut.size; ++k)
+      for (uint32_t i = room.cut.begin[k]; i < room.cut.end[k]; ++i)
+        observed_nodes[k] += observed[i], expected_nodes[k] += expected[i];
+    ASSERT_GE(room.cut.size, 64u);
+    EXPECT_GT(chi_square_p(observed_nodes, expected_nodes), 1e-3) << "nodes";
   }
 }
 

@@ -134,11 +134,11 @@ TEST_P(OneDensity, BothWaysToAPointShareItInFull) {
   Messages messages;
   Session session(c.make ? c.make() : load_scene(c.name, {}, messages), halflight_settings(32, 24), messages);
   const FrameView frame = session.frame();
-  RayCounters counters;
-  LearnedLights lights(frame, 4, counters);
+  PassStats stats;
+  LearnedLights lights(frame, 4, stats);
   Tally tally;
   for (const uint64_t round : {0u, 5u}) {
-    lights.draw_set(frame, round, 1, counters);
+    lights.draw_set(frame, round, 1, stats);
     for (uint32_t pixel = 100; pixel < frame.gbuffer->texels.size(); pixel += 131) {
       const GBufferTexel& texel = frame.gbuffer->texels[pixel];
       if (texel.hit() && !texel.brdf.black()) check_pixel(frame, lights, texel, tally);
