@@ -94,6 +94,9 @@ std::optional<ReferencePicture> find_integral(const Arena& arena) {
   const Stopwatch watch;
   RunRequest request = request_of(arena, find_technique(continuous_reference_technique), options.render.seed);
   request.settings.pixel_centres = true;
+  // Settings size S and steer draws: the integral hangs on none of them, and few lights would only make it
+  // noisy.
+  request.settings.values = SettingValues();
   const double runs = static_cast<double>(options.seeds) * static_cast<double>(arena.setup.entries.size());
   return continuous_reference(arena.session, request, std::min(integral_effort, runs), [&](double share) {
     arena.progress.show(fmt::format("the integral beside the sum, {:.0f} %{}", 100 * share,

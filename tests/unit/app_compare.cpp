@@ -237,11 +237,10 @@ TEST_F(Compare, TheSumsDistanceFromTheIntegralStandsApart) {
   EXPECT_TRUE(few["discretisation"]["told_from_noise"]);
   EXPECT_GT(far, 5 * std::max(near, 0.0));
   EXPECT_GT(far, 10 * few["discretisation"]["own_relmse"].get<double>());
-  // Sampling error is independent of it: in a picture they add.
+  // Sampling error is independent of it: in a picture they add, up to how the two happen to lie.
   const double sampling = few["techniques"][0]["points"][0]["relmse"]["value"],
                together = few["techniques"][0]["relmse_of_integral"];
   EXPECT_NEAR(together, sampling + far, 0.3 * (sampling + far));
-  EXPECT_GT(together, far);
   // It is what the pictures say.
   ASSERT_EQ(run({"error", "few/images/reference.exr", "few/images/integral.exr", "--json", "e.json"}).code,
             0);

@@ -173,7 +173,9 @@ TEST_F(Program, RenderReportsWhatItDid) {
     EXPECT_TRUE(stage.at("runs").is_boolean());
     EXPECT_FALSE(stage.at("why").get<std::string>().empty());
     EXPECT_EQ(stage.at("calls").get<uint64_t>() > 0, stage.at("runs").get<bool>()) << stage;
-    if (!stage.at("runs").get<bool>()) EXPECT_EQ(stage.at("bytes"), 0) << stage;
+    if (!stage.at("runs").get<bool>()) {
+      EXPECT_EQ(stage.at("bytes"), 0) << stage;
+    }
     EXPECT_GE(stage.at("seconds").get<double>(), 0);
   }
 }

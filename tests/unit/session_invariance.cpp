@@ -121,25 +121,40 @@ TEST_P(Invariance, OfLengthsAndRadiances) {
   }
 }
 
+double mean_luminance(const std::vector<Vec3>& picture) {
+  double sum = 0;
+  for (const Vec3& pixel : picture) sum += luminance(pixel) / static_cast<double>(picture.size());
+  return sum;
+}
+
 /// A room of 2^14 units, 1e6 away: a float's step there is 2^-4, 4e-6 of the room, and rays start 2.4 units
-/// (2^-19 + 2^-21 of 1e6), 1.5e-4 of the room, off a surface. Such a step at edges and contacts may turn a
-/// ray in a few thousand, and no more: a mean within 0.3 %, pixels within 2 % but for one in a hundred.
+/// (2^-19 + 2^-21 of 1e6), 1.5e-4 of the room, off a surface. Such a step at edges and contacts turns a ray
+/// in a few thousand, and no more: 0.3 % of the mean. Where positions round another way, so do the trees that
+/// are built over them, and the same random numbers draw other lights: beyond that 0.3 % means differ by
+/// their noise, and only by it.
 TEST_P(Invariance, AWorldFarAwayLosesOnlyTheResolutionOfFloats) {
-  constexpr float size = 16384;
-  const Scene scene = every_light(size, GetParam().lamps);
+  const Scene scene = every_light(16384, GetParam().lamps);
   Scene far = scene;
   move(far, Vec3(1e6f, -1e6f, 1e6f));
-  const std::vector<Vec3> near_picture = picture(scene), far_picture = picture(far);
-  double mean = 0, difference = 0;
-  size_t apart = 0;
-  for (size_t i = 0; i < near_picture.size(); ++i) {
-    const double n = luminance(near_picture[i]), f = luminance(far_picture[i]);
-    mean += n, difference += f - n;
-    apart += std::abs(f - n) > 0.02 * n;
+  const bool exact = find_technique(GetParam().technique).exact;
+  const int seeds = exact ? 1 : 24;
+  double mean = 0, sum = 0, squares = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    const std::vector<Vec3> near_picture = picture(scene, static_cast<uint64_t>(seed)),
+                            far_picture = picture(far, static_cast<uint64_t>(seed));
+    const double level = mean_luminance(near_picture), difference = mean_luminance(far_picture) - level;
+    mean += level / seeds, sum += difference / seeds, squares += difference * difference / seeds;
+    if (!exact) continue;
+    size_t apart = 0;
+    for (size_t i = 0; i < near_picture.size(); ++i)
+      apart += std::abs(luminance(far_picture[i]) - luminance(near_picture[i])) >
+               0.02 * luminance(near_picture[i]);
+    EXPECT_LE(static_cast<double>(apart), 0.01 * static_cast<double>(near_picture.size()));
   }
   ASSERT_GT(mean, 0);
-  EXPECT_LT(std::abs(difference), 0.003 * mean);
-  EXPECT_LE(static_cast<double>(apart), 0.01 * static_cast<double>(near_picture.size()));
+  const double error = exact ? 0 : std::sqrt(std::max(0.0, squares - sum * sum) / (seeds - 1));
+  EXPECT_LT(error, 0.01 * mean) << "too noisy to tell";
+  EXPECT_LT(std::abs(sum), 0.003 * mean + 4 * error) << "noise " << error / mean;
 }
 
 INSTANTIATE_TEST_SUITE_P(Techniques, Invariance, testing::ValuesIn(cases()), [](const auto& test) {
