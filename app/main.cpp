@@ -7,7 +7,9 @@
 
 #include "command_line.h"
 #include "commands/commands.h"
+#include "commands/json_output.h"
 #include "console.h"
+#include "core/timeline.h"
 #include "help.h"
 
 namespace halflight {
@@ -38,6 +40,16 @@ int run_command(const Options& options) {
   return static_cast<int>(ExitCode::usage);
 }
 
+/// The command, with a timeline of it where one is asked for.
+int run_traced(const Options& options) {
+  if (options.trace.empty()) return run_command(options);
+  check_writable(options.trace);
+  const Timeline timeline;
+  const int code = run_command(options);
+  write_text(options.trace, timeline.json());
+  return code;
+}
+
 int run(const std::vector<std::string>& arguments) {
   const Options options = parse_arguments(arguments);
   if (options.help)
@@ -47,7 +59,7 @@ int run(const std::vector<std::string>& arguments) {
   else if (!options.completions.empty())
     write_standard_output(completion_script(options.completions));
   else
-    return run_command(options);
+    return run_traced(options);
   return static_cast<int>(ExitCode::ok);
 }
 

@@ -38,6 +38,7 @@ constexpr std::array<CommandInfo, 9> commands{{
     {Command::scenes, "scenes", "", "list the built-in scenes, or save them as files"},
 }};
 
+constexpr std::array<std::string_view, 2> on_off{"on", "off"};
 constexpr std::array<std::string_view, 5> backends{"auto", "window", "egl", "osmesa", "none"};
 constexpr std::array<std::string_view, 3> light_selections{"all", "direct", "indirect"};
 constexpr std::array<std::string_view, 2> targets{"discrete", "continuous"};
@@ -210,6 +211,11 @@ const OptionInfo table[] = {
     {"until-error", "", "X", "", sampling_group, "",
      "stop when the estimated relMSE is X or less; --samples then has no default", bit(Command::render),
      [](Options& o, const std::string& v) { o.until_error = parse_number(v, 1e-12, 1e12); }},
+    {"adaptive", "", "ON|OFF", "on with --until-error, discrete target, no --time", sampling_group, "",
+     "on: pixels get samples by their estimated error, so that the picture's falls soonest; off: all as many",
+     bit(Command::render),
+     [](Options& o, const std::string& v) { o.adaptive = parse_choice(v, strings(on_off)) == 0; }, false,
+     false, choices_of<on_off>},
     {"seed", "", "N", "0", sampling_group, "Seed",
      "seed of the samples; the virtual lights have their own, --set lights.seed=N", of_scenes,
      [](Options& o, const std::string& v) {
@@ -260,6 +266,9 @@ const OptionInfo table[] = {
 
     {"json", "", "FILE|-", "", output_group, "", "write the results as JSON, - to standard output",
      of_results, set_text<&Options::json>, false, true},
+    {"trace", "", "FILE", "", output_group, "",
+     "write a timeline of stages and tiles on each thread, as Chrome trace events (JSON)", of_shown,
+     set_text<&Options::trace>, false, true},
     {"fail-above", "", "METRIC=X", "", output_group, "",
      "end with exit code 5 when a metric (relmse, relmse-trimmed, rmse, smape, flip) is above X",
      bit(Command::error), set_fail_above, true},

@@ -55,6 +55,7 @@ struct Options {
   std::optional<uint32_t> samples;  ///< a pixel
   std::optional<double> seconds;
   std::optional<double> until_error;  ///< estimated relMSE
+  std::optional<bool> adaptive;       ///< else only with `until_error`
   int threads = 0;                    ///< 0: all cores
 
   // Races.
@@ -73,6 +74,7 @@ struct Options {
 
   // Output.
   std::string output, json, config;
+  std::string trace;    ///< a timeline of stages and tiles
   std::string capture;  ///< view: a PNG of the window's content instead of a window
   bool aovs = false, quiet = false, strict = false;
   bool list_settings = false;                              ///< techniques --settings

@@ -7,7 +7,9 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/stopwatch.h"
+#include "core/timeline.h"
 #include "core/vector_bytes.h"
+#include "film/preview.h"
 #include "trace/ray_gbuffer.h"
 
 namespace halflight {
@@ -24,6 +26,9 @@ bool has_graphics_device() {
 bool needs_gl(const RenderSettings& settings) {
   return find_technique(settings.technique).device == Device::gpu;
 }
+
+/// Of the rays that light a surface point, as a divisor.
+constexpr int draft_light_share = 16;
 
 /// Throws Error (exit code 4) where the technique runs on OpenGL and there is to be none.
 void check_backend(const RenderSettings& settings) {
@@ -85,6 +90,7 @@ struct Session::Impl {
   void count_held(const PassStats&);
   std::vector<Vec3> irradiance(const std::vector<BouncePoint>& points, uint64_t seed);
   FrameView view() const;
+  void run_pass(PassRequest, bool ends_round);
 
   Scene scene;
   RenderSettings settings;
@@ -104,7 +110,8 @@ struct Session::Impl {
   Film film;
   SessionStats stats;
   Stale stale;
-  uint32_t round = 0;            ///< of this film; each has its own draws
+  uint32_t round = 0;  ///< of this film; each has its own draws
+  LightQuality light_quality = LightQuality::full;
   bool lights_are_made = false;  ///< `lights` holds S
   bool frame_is_drawn = false;   ///< continuous target: S and pixel grid of `drawn_round` are in place
   uint32_t drawn_round = 0;
@@ -117,7 +124,10 @@ Session::Session(Scene scene, const RenderSettings& settings, Messages& messages
   HALFLIGHT_CHECK(!impl_->scene.cameras.empty());
   find_technique(settings.technique);
   complete_lights(impl_->scene, messages);
-  impl_->rays = std::make_unique<RayScene>(impl_->scene, settings.forced.has(Stage::alpha_filter));
+  {
+    const TimelineScope scope("ray tree");
+    impl_->rays = std::make_unique<RayScene>(impl_->scene, settings.forced.has(Stage::alpha_filter));
+  }
   impl_->camera = impl_->scene.cameras.front();
   impl_->film = Film(settings.width, settings.height);
   impl_->open_backend();
@@ -222,6 +232,8 @@ std::vector<Vec3> Session::Impl::irradiance(const std::vector<BouncePoint>& poin
   PointLighting lighting;
   lighting.punctual = !plan.shadow_maps;
   lighting.samples = static_cast<int>(settings.values.get("lights.samples"));
+  if (light_quality == LightQuality::draft)
+    lighting.samples = std::max(1, lighting.samples / draft_light_share);
   lighting.seed = seed;
   std::vector<Vec3> result = irradiance_by_rays(*rays, points, lighting, stats.rays);
   if (plan.shadow_maps) {
@@ -246,6 +258,7 @@ void Session::Impl::prepare_lights() {
   if (!plan.light_set) return leave_lights_out();
   const bool redraw = plan.redraws && !frame_is_drawn;
   if (!stale.points && !stale.lights && !redraw) return;
+  const TimelineScope scope("lights");
   Stopwatch watch;
   const uint64_t pass_seed = plan.redraws ? hash_combine(settings.seed, round + 1) : 0;
   const uint64_t lighting_seed =
@@ -280,6 +293,7 @@ void Session::Impl::leave_lights_out() {
 void Session::Impl::prepare_gbuffer() {
   const bool again = plan.runs.has(Stage::antialiasing) && !frame_is_drawn;
   if (!plan.gbuffer || (!stale.gbuffer && !again)) return;
+  const TimelineScope scope("raster");
   Stopwatch watch;
   gbuffer.resize(settings.width, settings.height);
   const Vec2 jitter = plan.antialiased ? pixel_jitter(round, settings.seed) : Vec2(0);
@@ -328,6 +342,7 @@ void Session::Impl::prepare() {
   drawn_round = round;
   if (!technique) technique = find_technique(settings.technique).make();
   if (stale.technique) {
+    const TimelineScope scope("distribution");
     Stopwatch watch;
     technique->prepare(view());
     stats.seconds.distribution += watch.seconds();
@@ -369,31 +384,50 @@ uint32_t Session::round_samples(uint32_t total) const {
 }
 
 void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop) {
-  Impl& s = *impl_;
-  if (s.drawn_round != s.round) s.frame_is_drawn = false;
-  s.prepare();
   PassRequest request;
-  request.pass = s.round;
   request.samples = samples;
   request.stride = stride;
   request.offset = offset;
+  request.begins_round = offset == 0;
   request.stop = std::move(stop);
-  if (s.plan.redraws) request.half = static_cast<int>(s.round & 1);
-  const PassStats pass = s.technique->run_pass(s.view(), request, s.film);
+  impl_->run_pass(std::move(request), offset + 1 == stride * stride);
+}
+
+void Session::run_pass(uint32_t samples, const PassPart& part, std::stop_token stop) {
+  PassRequest request;
+  request.samples = samples;
+  request.chosen = part.chosen;
+  request.begins_round = part.first;
+  request.stop = std::move(stop);
+  impl_->run_pass(std::move(request), part.last);
+}
+
+/// The rest of the request is the round's.
+void Session::Impl::run_pass(PassRequest request, bool ends_round) {
+  const TimelineScope scope("pass");
+  if (drawn_round != round) frame_is_drawn = false;
+  prepare();
+  request.pass = round;
+  if (plan.redraws) request.half = static_cast<int>(round & 1);
+  PassStats pass;
+  {
+    const TimelineScope tracing("sampling");
+    pass = technique->run_pass(view(), request, film);
+  }
 
   const double threads = thread_count();
-  s.stats.seconds.lights += pass.lights_seconds;
-  s.stats.seconds.raster += pass.gbuffer_seconds / threads;
-  s.stats.seconds.distribution += pass.distribution_seconds / threads;
-  s.stats.seconds.sampling += pass.sampling_seconds / threads;
-  s.stats.seconds.visibility += pass.visibility_seconds / threads;
-  s.stats.seconds.resolve += pass.resolve_seconds / threads;
-  s.stats.seconds.gpu += pass.gpu_seconds;
-  s.stats.rays += pass.rays;
-  s.stats.useful_rays += pass.useful_rays;
-  s.count_held(pass);
-  ++s.stats.passes;
-  if (offset + 1 == stride * stride) ++s.round;
+  stats.seconds.lights += pass.lights_seconds;
+  stats.seconds.raster += pass.gbuffer_seconds / threads;
+  stats.seconds.distribution += pass.distribution_seconds / threads;
+  stats.seconds.sampling += pass.sampling_seconds / threads;
+  stats.seconds.visibility += pass.visibility_seconds / threads;
+  stats.seconds.resolve += pass.resolve_seconds / threads;
+  stats.seconds.gpu += pass.gpu_seconds;
+  stats.rays += pass.rays;
+  stats.useful_rays += pass.useful_rays;
+  count_held(pass);
+  ++stats.passes;
+  if (ends_round) ++round;
 }
 
 void Session::restart() {
@@ -446,8 +480,9 @@ void Session::set_settings(const RenderSettings& wanted) {
   restart();
 }
 
-void Session::edit_lights(const LightEdits& edits) {
+void Session::edit_lights(const LightEdits& edits, LightQuality quality) {
   Impl& s = *impl_;
+  s.light_quality = quality;
   HALFLIGHT_CHECK(edits.emission.size() == s.scene.materials.size());
   const LightEdits before = light_edits();
   s.scene.lights = edits.lights;
@@ -460,10 +495,8 @@ void Session::edit_lights(const LightEdits& edits) {
   s.stale.shadows = s.stale.lights = s.stale.gbuffer = true;
   const LightKinds kinds = s.plan.set_kinds;
   s.replan();
-  // Emitter points follow power, distant ones directions, punctual ones places: those lie elsewhere now.
-  s.stale.points |= emission_changed || edits.environment_rotation != before.environment_rotation ||
-                    edits.lights.size() != before.lights.size() || s.plan.kinds.punctual ||
-                    !(kinds == s.plan.set_kinds);
+  // Points on surfaces stay; all other members of S are placed anew with every re-lighting.
+  s.stale.points |= !(kinds == s.plan.set_kinds);
   restart();
 }
 
@@ -485,6 +518,10 @@ const Camera& Session::camera() const { return impl_->camera; }
 const Plan& Session::plan() const { return impl_->plan; }
 const std::optional<GlDescription>& Session::gl() const { return impl_->gl; }
 const Film& Session::film() const { return impl_->film; }
+ImageRgb Session::preview() const {
+  const Impl& s = *impl_;
+  return s.plan.gbuffer ? preview_picture(s.film, s.gbuffer, s.base) : s.film.preview();
+}
 double Session::estimated_relmse() const {
   const TechniqueInfo& technique = find_technique(impl_->settings.technique);
   return technique.exact && technique.bias == Bias::biased ? -1 : impl_->film.estimated_relmse();

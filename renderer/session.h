@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -52,12 +53,20 @@ struct SessionStats {
   StageCounters stages;
 };
 
+/// Some of the pixels, for one of the passes that make up a round together; no pixel is in two of them.
+struct PassPart {
+  std::span<const uint8_t> chosen;  ///< one flag a pixel of the picture
+  bool first = true, last = true;   ///< of its round
+};
+
 /// What a user may change about the light while the geometry stands.
 struct LightEdits {
   std::vector<PunctualLight> lights;
   std::vector<Vec3> emission;  ///< Material::emission, one a material
   float environment_rotation = 0, environment_strength = 1;
 };
+
+enum class LightQuality { full, draft };
 
 class Session {
  public:
@@ -76,8 +85,9 @@ class Session {
   /// Throws Error (exit code 4), and changes nothing, where the technique needs OpenGL and the back end is
   /// `none`.
   void set_settings(const RenderSettings&);  ///< redoes what the difference asks for
-  /// Re-lights the points and re-cuts; geometry stays.
-  void edit_lights(const LightEdits&);
+  /// Re-lights the points and re-cuts; geometry stays. As a draft, with fewer rays a point than the settings say: for
+  /// a slider that moves. The same edits without it make up for that.
+  void edit_lights(const LightEdits&, LightQuality = LightQuality::full);
   LightEdits light_edits() const;  ///< as they are now
 
   /// Samples a pixel for each round when `total` are wanted: many rounds where each redraws S and moves the
@@ -88,8 +98,12 @@ class Session {
   /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the
   /// frame.
   void run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop = {});
+  /// A pass over chosen pixels; a round may be made of several, each with its own number of samples.
+  void run_pass(uint32_t samples, const PassPart&, std::stop_token stop = {});
 
   const Film& film() const;
+  /// What to show of the film so far: before its first round is whole, interpolated over like surfaces.
+  ImageRgb preview() const;
   /// The film's own estimate of its relMSE; negative where it has none to give, as of a technique without
   /// noise that is biased all the same.
   double estimated_relmse() const;

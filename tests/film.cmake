@@ -1,6 +1,8 @@
 # Tests of film, and of the image readers and environments that it shares its formats with.
 halflight_unit_test(film_film halflight_film)
 halflight_unit_test(film_flip halflight_film)
+halflight_unit_test(film_sample_allocation halflight_film)
+halflight_unit_test(film_preview halflight_film)
 halflight_unit_test(film_writers halflight_film OpenEXR::OpenEXR)
 halflight_unit_test(scene_images halflight_scene halflight_film)
 halflight_unit_test(scene_environment halflight_scene halflight_film)

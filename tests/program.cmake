@@ -1,5 +1,6 @@
 # Tests of program: its options, then the shipped binary as its users' scripts see it, then its pictures.
 halflight_unit_test(app_options halflight_app)
+halflight_unit_test(app_adaptive halflight_app)
 halflight_unit_test(app_report_statistics halflight_report)
 halflight_unit_test(app_report_race halflight_report)
 halflight_unit_test(app_stress halflight_app)

@@ -49,7 +49,10 @@ void check_writable(const std::string& target) {
 
 void write_json(const std::string& target, const Json& json) {
   // Names from a file may be no UTF-8: replaced rather than refused.
-  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  write_text(target, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+void write_text(const std::string& target, const std::string& text) {
   std::error_code ignored;
   if (target == "-")
     write_standard_output(text);

@@ -17,5 +17,6 @@ void check_writable(const std::string& target);
 
 /// Writes to the file, or to standard output for "-". Throws Error (exit code 1).
 void write_json(const std::string& target, const Json&);
+void write_text(const std::string& target, const std::string& text);
 
 }  // namespace halflight

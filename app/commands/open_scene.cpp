@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "core/stopwatch.h"
+#include "core/timeline.h"
 #include "scene/view_file.h"
 
 namespace halflight {
@@ -38,6 +39,7 @@ size_t find_camera(const Scene& scene, const std::string& name_or_index) {
 }
 
 OpenedScene open_scene(const Options& options, Messages& messages) {
+  const TimelineScope scope("load");
   Stopwatch watch;
   OpenedScene opened;
   messages.strict = options.strict;

@@ -57,6 +57,10 @@ void check_memory(const RenderSettings& settings) {
 SamplingGoal goal_of(const Options& options) {
   SamplingGoal goal{options.samples, options.seconds, options.until_error};
   if (!goal.samples && !goal.seconds && !goal.error) goal.samples = default_samples;
+  // Rounds of the continuous target each redraw S: visiting few pixels a round was not measured to pay there.
+  const bool discrete =
+      choose_target(find_technique(options.render.technique), options.render.target) == Target::discrete;
+  goal.adaptive = options.adaptive.value_or(goal.error && !goal.seconds && discrete);
   return goal;
 }
 
@@ -117,6 +121,7 @@ int run_render(const Options& options) {
   RenderRecord record{&options, &session, &messages.warnings};
   record.stopped_by = sample_until(session, goal, clock, interruption.token(),
                                    [&] { progress.show(progress_text(session, goal)); });
+  record.adaptive = samples_adaptively(session, goal);
   record.load_seconds = opened.seconds;
   record.total_seconds = since_start.seconds();
   record.cpu_seconds = process_cpu_seconds();

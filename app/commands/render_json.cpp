@@ -116,6 +116,7 @@ Json render_json(const RenderRecord& record) {
   json["threads"] = thread_count();
   json["spp"] = film.mean_samples();
   json["passes"] = stats.passes;
+  json["adaptive"] = record.adaptive;
   json["stopped_by"] = stop_reason_name(record.stopped_by);
   json["partial"] = record.stopped_by == StopReason::interrupted;
   json["seconds"] = seconds_json(record);
@@ -149,6 +150,9 @@ ImageMetadata render_metadata(const RenderRecord& record, bool aovs) {
   metadata.text["light"] = light_selection_name(settings.light);
   metadata.text["camera"] = camera.name;
   metadata.text["seed"] = std::to_string(settings.seed);  // 64 bits are more than a double holds
+  metadata.text["sampling"] = record.adaptive ? "adaptive" : "uniform";
+  if (record.stopped_by == StopReason::error)
+    metadata.text["bias"] = "stopped by its estimated error, which its samples decide";
   if (record.stopped_by == StopReason::interrupted) metadata.text["partial"] = "interrupted";
   metadata.numbers["width"] = settings.width;
   metadata.numbers["height"] = settings.height;

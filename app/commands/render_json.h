@@ -17,6 +17,7 @@ struct RenderRecord {
   const Session* session = nullptr;
   const std::vector<std::string>* warnings = nullptr;
   StopReason stopped_by = StopReason::samples;
+  bool adaptive = false;     ///< pixels got samples by their estimated error
   double load_seconds = 0;   ///< reading the scene, before the session
   double total_seconds = 0;  ///< wall clock, everything but writing the files
   double cpu_seconds = 0;    ///< all threads

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "commands/adaptive_sampling.h"
+
 namespace halflight {
 
 namespace {
@@ -12,6 +14,7 @@ constexpr uint32_t first_round = 8;        ///< samples a pixel, where no total 
 constexpr double longest_whole_round = 1;  ///< seconds; longer rounds go by subsets, to show how they get on
 constexpr uint32_t most_unmeasured = 64;   ///< samples of a whole round before its cost is known
 constexpr uint32_t exact_samples = 40;     ///< of a single pass that is all there is, unless told
+constexpr double error_margin = 1.1;       ///< on the samples that an error asked for is expected to take
 constexpr double most_for_balance = 32;  ///< samples a round takes on to be worth its frame and distributions
 
 /// Measured seconds of a round: its frame (S and pixel grid redrawn, continuous target only), the
@@ -59,6 +62,11 @@ uint32_t Sampler::next_round() const {
   if (!only_samples && cost_.known())
     wanted = std::max(wanted, static_cast<uint32_t>(std::min(
                                   most_for_balance, (cost_.frame + cost_.distributions) / cost_.sample)));
+  // Not far beyond the error asked for, which falls as 1/N.
+  const double error = goal_.error && done_ > 0 ? session_.film().estimated_relmse() : -1;
+  if (error > 0)
+    wanted = static_cast<uint32_t>(std::clamp(std::ceil(error_margin * done_ * (error / *goal_.error - 1)),
+                                              1.0, static_cast<double>(wanted)));
   return goal_.samples ? std::min(*goal_.samples - done_, wanted) : wanted;
 }
 
@@ -156,8 +164,14 @@ std::string_view stop_reason_name(StopReason reason) {
   }
 }
 
+bool samples_adaptively(const Session& session, const SamplingGoal& goal) {
+  return goal.adaptive && !find_technique(session.settings().technique).exact;
+}
+
 StopReason sample_until(Session& session, const SamplingGoal& goal, const Stopwatch& clock,
                         std::stop_token stop, const std::function<void()>& after_pass) {
+  if (samples_adaptively(session, goal))
+    return AdaptiveSampler(session, goal, clock, std::move(stop), after_pass).run();
   return Sampler(session, goal, clock, std::move(stop), after_pass).run();
 }
 

@@ -17,7 +17,11 @@ struct SamplingGoal {
   std::optional<double> seconds;    ///< on the clock given to `sample_until`
   std::optional<double>
       error;  ///< estimated relMSE; stopping by it is biased (ESTIMATORS: weights that depend on data)
+  bool adaptive = false;  ///< pixels get samples by their estimated error
 };
+
+/// Whether the goal asks for adaptive sampling of a technique that more samples do anything for.
+bool samples_adaptively(const Session&, const SamplingGoal&);
 
 enum class StopReason { samples, time, error, interrupted };
 std::string_view stop_reason_name(StopReason);

@@ -1,5 +1,6 @@
 #include "viewer/render_thread.h"
 
+#include <array>
 #include <utility>
 
 namespace halflight {
@@ -8,8 +9,25 @@ namespace {
 
 // A pass covers one of 16 interleaved subsets of the pixels with all its samples: about 100 ms on two cores.
 constexpr uint32_t pass_stride = 4;
+// The subsets' order: after 1, 4 and 16 of them every 4th, every 2nd and every pixel in x and y has samples.
+constexpr std::array<uint32_t, pass_stride * pass_stride> subset_order{0, 10, 2, 8, 5,  7,  13, 1,
+                                                                       3, 4,  6, 9, 11, 12, 14, 15};
 constexpr uint32_t first_round_samples = 4, later_round_samples = 16;
+constexpr double lights_rest = 0.15;  ///< seconds without a change after which lights are no draft any more
 constexpr uint32_t only_round_samples = 40;  ///< where a pass gives all there is
+
+/// What the first picture after a move does without, so that it is there soon; what comes then has all of it.
+struct DraftSetting {
+  std::string_view technique, key, value;
+};
+constexpr DraftSetting draft_settings[] = {{"bidirectional", "bidirectional.near", "0"},
+                                           {"bidirectional", "bidirectional.brdf-samples", "0"}};
+
+RenderSettings draft_of(RenderSettings settings) {
+  for (const DraftSetting& draft : draft_settings)
+    if (draft.technique == settings.technique) settings.values.set(draft.key, draft.value);
+  return settings;
+}
 
 Vec3 look_at_point(const Session& session) {
   const GBuffer& gbuffer = session.gbuffer();
@@ -63,10 +81,13 @@ void RenderThread::wish(const std::function<void(Wishes&)>& change) {
   {
     std::lock_guard lock(mutex_);
     change(wishes_);
-    pass_stop_.request_stop();
+    if (drops_pass()) pass_stop_.request_stop();
   }
   changed_.notify_all();
 }
+
+/// Whether what is wished for leaves no use for the pass in flight.
+bool RenderThread::drops_pass() const { return quit_ || (wishes_.any() && (shown_ || !wishes_.moves())); }
 
 void RenderThread::open(SceneLoader loader) {
   wish([&](Wishes& w) { w.open = std::move(loader); });
@@ -142,6 +163,7 @@ void RenderThread::loop() {
       loading_ = wishes.open.has_value();
       run = !paused_ || wishes.any();
       pass_stop_ = {};
+      if (wishes.any()) shown_ = false;
     }
     try {
       if (wishes.any()) apply(std::move(wishes));
@@ -167,10 +189,19 @@ void RenderThread::loop() {
 void RenderThread::apply(Wishes wishes) {
   if (wishes.open) open_scene(*wishes.open);
   if (!session_) return;
-  if (wishes.settings) session_->set_settings(settings_ = *wishes.settings);
-  if (wishes.lights && wishes.lights->emission.size() == session_->scene().materials.size())
-    session_->edit_lights(*wishes.lights);
+  if (wishes.settings) {
+    session_->set_settings(*wishes.settings);
+    settings_ = *wishes.settings;
+  }
+  if (wishes.lights && wishes.lights->emission.size() == session_->scene().materials.size()) {
+    session_->edit_lights(*wishes.lights, LightQuality::draft);
+    lights_are_draft_ = true;
+    since_lights_.lap();
+  }
   if (wishes.camera) session_->set_camera(*wishes.camera);
+  // S and the pixel grid of the continuous target would be made anew after a draft.
+  picture_is_draft_ = wishes.moves() && !session_->plan().redraws && draft_of(settings_) != settings_;
+  session_->set_settings(picture_is_draft_ ? draft_of(settings_) : settings_);
   subset_ = rounds_ = 0;
   since_restart_.lap();
 }
@@ -191,19 +222,33 @@ void RenderThread::run_one_pass() {
   {
     std::lock_guard lock(mutex_);
     stop = pass_stop_.get_token();
-    if (wishes_.any() || quit_) return;
+    if (drops_pass()) return;
   }
+  settle_lights();
   const bool single = find_technique(session_->settings().technique).exact;
   const uint32_t samples = single         ? std::min(only_round_samples, sample_limit_)
                            : rounds_ == 0 ? first_round_samples
                                           : later_round_samples;
-  session_->run_pass(samples, pass_stride, subset_, stop);
+  session_->run_pass(samples, pass_stride, subset_order[subset_], stop);
   if (stop.stop_requested()) return;
   if (++subset_ == pass_stride * pass_stride) subset_ = 0, ++rounds_;
   publish();
+  if (!std::exchange(picture_is_draft_, false)) return;
+  session_->set_settings(settings_);
+  subset_ = rounds_ = 0;
+}
+
+/// A slider that rests: its light is done again with all rays, once the draft has been seen.
+void RenderThread::settle_lights() {
+  if (!lights_are_draft_ || subset_ + rounds_ == 0 || since_lights_.seconds() < lights_rest) return;
+  session_->edit_lights(session_->light_edits());
+  lights_are_draft_ = false;
+  subset_ = rounds_ = 0;
+  since_restart_.lap();
 }
 
 bool RenderThread::converged() const {
+  if (lights_are_draft_) return false;
   return session_->film().mean_samples() >= sample_limit_ ||
          (rounds_ > 0 && find_technique(session_->settings().technique).exact);
 }
@@ -213,7 +258,9 @@ void RenderThread::publish() {
   const Film& film = session_->film();
   snapshot->scene_number = scene_number_;
   snapshot->opened = opened_;
-  snapshot->picture = film.preview();
+  snapshot->picture = session_->preview();
+  snapshot->camera = session_->camera();
+  snapshot->lights = session_->light_edits();
   snapshot->stats = session_->stats();
   snapshot->plan = session_->plan();
   snapshot->technique = session_->settings().technique;
@@ -226,6 +273,7 @@ void RenderThread::publish() {
   snapshot->converged = converged();
   std::lock_guard lock(mutex_);
   latest_ = std::move(snapshot);
+  shown_ = true;
 }
 
 }  // namespace halflight

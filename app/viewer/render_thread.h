@@ -37,6 +37,8 @@ struct Snapshot {
   uint64_t scene_number = 0;  ///< grows with every scene opened
   std::shared_ptr<const SceneSummary> opened;
   ImageRgb picture;
+  Camera camera;  ///< that it was taken with
+  LightEdits lights;
   SessionStats stats;
   Plan plan;
   std::string technique;
@@ -53,7 +55,9 @@ class RenderThread {
   RenderThread(SceneLoader, const RenderSettings&, const DisplaySettings&, uint32_t sample_limit);
   ~RenderThread();
 
-  // Wishes; the latest of each kind wins, and the pass in flight is dropped.
+  // Wishes; the latest of each kind wins, and the pass in flight is dropped. While camera or lights move on
+  // and on, the first picture of each state that is begun is finished and shown: there is one to see at any
+  // time.
   void open(SceneLoader);
   void open_environment(const std::string& path, const LoadLimits&);
   void set_camera(const Camera&);
@@ -81,13 +85,16 @@ class RenderThread {
     std::optional<RenderSettings> settings;
     std::optional<LightEdits> lights;
     bool any() const { return open || camera || settings || lights; }
+    bool moves() const { return any() && !open && !settings; }
   };
 
   void wish(const std::function<void(Wishes&)>& change);
+  bool drops_pass() const;
   void loop();
   void apply(Wishes);
   void open_scene(const SceneLoader&);
   void run_one_pass();
+  void settle_lights();
   void publish();
   bool converged() const;
   void report(const std::string& text, bool error);
@@ -100,6 +107,7 @@ class RenderThread {
   std::deque<Notice> notices_;
   std::exception_ptr nothing_opened_;
   bool paused_ = false, quit_ = false, loading_ = true;
+  bool shown_ = true;  ///< the state that was last begun has a picture
 
   // The render thread's own.
   RenderSettings settings_;
@@ -110,7 +118,8 @@ class RenderThread {
   std::shared_ptr<const SceneSummary> opened_;
   uint64_t scene_number_ = 0;
   uint32_t subset_ = 0, rounds_ = 0;
-  Stopwatch since_restart_;
+  bool lights_are_draft_ = false, picture_is_draft_ = false;
+  Stopwatch since_restart_, since_lights_;
 
   std::thread thread_;
 };

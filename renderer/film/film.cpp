@@ -51,6 +51,11 @@ void Film::clear() {
 
 uint32_t Film::samples(uint32_t pixel) const { return pixels_[pixel].count[0] + pixels_[pixel].count[1]; }
 
+Vec3d Film::half_mean(uint32_t pixel, int half) const {
+  const Pixel& p = pixels_[pixel];
+  return p.count[half] > 0 ? p.sum[half] / static_cast<double>(p.count[half]) : Vec3d(0);
+}
+
 double Film::mean_samples() const {
   double sum = 0;
   for (const Pixel& p : pixels_) sum += static_cast<double>(p.count[0]) + p.count[1];
@@ -137,8 +142,8 @@ double Film::estimated_relmse() const {
     for (int x = 0; x < width_; ++x) {
       const Pixel& p = pixels_[static_cast<size_t>(y) * width_ + x];
       if (!p.has_both_halves()) continue;
-      // Measured against what is around it or what both halves agree on: a pixel far off in one of them would make its
-      // own error look small, and a bright detail in the dark would make it look large.
+      // Measured against what is around it or what both halves agree on: a pixel far off in one of them would
+      // make its own error look small, and a bright detail in the dark would make it look large.
       const Vec3d variance = p.variance_of_mean(), r = glm::max(surrounding_mean(x, y), p.lesser_half());
       const Vec3d scale = r * r + floor2;
       for (int c = 0; c < 3; ++c)

@@ -29,6 +29,9 @@ class Film {
   void clear();
 
   uint32_t samples(uint32_t pixel) const;
+  /// Samples of one half, and their mean; 0 where it has none.
+  uint32_t half_samples(uint32_t pixel, int half) const { return pixels_[pixel].count[half]; }
+  Vec3d half_mean(uint32_t pixel, int half) const;
   double mean_samples() const;
   Vec3 radiance(uint32_t pixel) const;
   ImageRgb image() const;
@@ -39,8 +42,8 @@ class Film {
   Vec3 variance(uint32_t pixel) const;
 
   /// relMSE expected of the picture, mean(variance / (r² + (0.01 mean r)²)) over the pixels whose halves both
-  /// have samples, r being the larger of what surrounds a pixel and its lesser half; negative while fewer than half of
-  /// the pixels have both.
+  /// have samples, r being the larger of what surrounds a pixel and its lesser half; negative while fewer
+  /// than half of the pixels have both.
   double estimated_relmse() const;
   uint64_t nan_samples() const { return nan_samples_; }
   /// The first pixel, row by row, that had a sample which was not finite; nothing where there was none.

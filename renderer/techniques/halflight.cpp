@@ -106,7 +106,7 @@ void Halflight::prepare_round(const FrameView& frame, const PassRequest& request
     lights_ = std::make_unique<LearnedLights>(frame, parameters.pilot_rays, stats);
     has_set_ = false;
   }
-  const bool begins_again = has_set_ && request.pass == round_ && request.offset == 0;
+  const bool begins_again = has_set_ && request.pass == round_ && request.offset == 0 && request.begins_round;
   const int width = frame.gbuffer->width, height = frame.gbuffer->height;
   const size_t clusters = lights_->cut().padded_size();
   if (!parameters.visibility)

@@ -4,6 +4,7 @@
 
 #include "core/random.h"
 #include "core/stopwatch.h"
+#include "core/timeline.h"
 #include "core/vector_bytes.h"
 
 namespace halflight {
@@ -48,7 +49,10 @@ std::vector<VirtualLight> LightStage::gather(const Scene& scene, const LightPoin
     place(Stage::environment_points, [&] { return environment_points(scene.environment, point_settings_); });
   if (kinds_.emitters) place(Stage::emitter_points, [&] { return emitter_points(scene, point_settings_); });
   if (kinds_.surfaces && !bounce_points_.empty())
-    place(Stage::surface_points, [&] { return bounce_lights(bounce_points_, light_points(bounce_points_)); });
+    place(Stage::surface_points, [&] {
+      const TimelineScope scope("light points");
+      return bounce_lights(bounce_points_, light_points(bounce_points_));
+    });
   if (kinds_.punctual) place(Stage::punctual_points, [&] { return punctual_points(scene); });
   counters_[Stage::surface_points].bytes += vector_bytes(bounce_points_);
   return all;
@@ -77,10 +81,12 @@ void LightStage::build(const Scene& scene, const LightKinds& kinds, const Settin
   Stopwatch watch;
   bounce_points_ = std::vector<BouncePoint>();  // and gives its memory back
   if (kinds_.surfaces) {
+    const TimelineScope scope("place points");
     bounce_points_ = spread_surface_points(scene, point_settings_);
     counters_[Stage::surface_points].seconds = watch.seconds();
   }
   std::vector<VirtualLight> lights = gather(scene, light_points);
+  const TimelineScope scope("tree and cut");
   watch.lap();
   tree_ = build_light_tree(std::move(lights));
   counters_[Stage::light_tree] = {1, 0, watch.lap()};
@@ -91,6 +97,7 @@ void LightStage::relight(const Scene& scene, const SettingValues& values, CutMak
                          const LightPointsFunction& light_points) {
   counters_ = {};
   std::vector<VirtualLight> lights = gather(scene, light_points);
+  const TimelineScope scope("tree and cut");
   Stopwatch watch;
   if (same_places(tree_, lights)) {
     std::vector<Vec3> radiance(lights.size());

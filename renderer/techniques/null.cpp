@@ -17,7 +17,8 @@ class Null final : public Technique {
       for (auto y = static_cast<uint32_t>(begin); y < end; ++y) {
         if (y % request.stride != first_y) continue;
         for (uint32_t x = first_x; x < width; x += request.stride)
-          film.add(y * width + x, half, (*frame.base)[y * width + x], request.samples);
+          if (const uint32_t pixel = y * width + x; request.samples_pixel(pixel))
+            film.add(pixel, half, (*frame.base)[pixel], request.samples);
       }
     });
     PassStats stats;

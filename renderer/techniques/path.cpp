@@ -80,9 +80,12 @@ class Path final : public Technique {
           local.finished = false;
           break;
         }
-        for (uint32_t column = 0; column < subset.columns(); ++column)
-          render_pixel(frame, request, samples, subset.x(column), subset.y(row), tracer, film);
-        local.pixels += subset.columns();
+        for (uint32_t column = 0; column < subset.columns(); ++column) {
+          const uint32_t x = subset.x(column), y = subset.y(row);
+          if (!request.samples_pixel(y * subset.width + x)) continue;
+          render_pixel(frame, request, samples, x, y, tracer, film);
+          ++local.pixels;
+        }
       }
       local.rays = tracer.counters();
       local.useful_rays = tracer.useful_rays();

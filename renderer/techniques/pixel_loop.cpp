@@ -6,6 +6,8 @@
 #include <x86intrin.h>
 #endif
 
+#include "core/timeline.h"
+
 namespace halflight {
 
 namespace {
@@ -143,6 +145,7 @@ void PixelWorker::begin_tile() {
 void PixelWorker::end_tile() {
   const auto ticks = static_cast<double>(std::max<uint64_t>(ticks_now() - tile_start_ticks_, 1));
   const double unit = (seconds_now() - tile_start_) / ticks;
+  if (Timeline* timeline = Timeline::current()) timeline->add_tile(seconds_now() - tile_start_);
   stats_.distribution_seconds += static_cast<double>(distribution_ticks) * unit;
   stats_.sampling_seconds += static_cast<double>(sampling_ticks) * unit;
   stats_.visibility_seconds += static_cast<double>(visibility_ticks_) * unit;
@@ -150,7 +153,8 @@ void PixelWorker::end_tile() {
 }
 
 TileGrid::TileGrid(const GBuffer& gbuffer, const PassRequest& request)
-    : width_(static_cast<uint32_t>(gbuffer.width)),
+    : request_(request),
+      width_(static_cast<uint32_t>(gbuffer.width)),
       height_(static_cast<uint32_t>(gbuffer.height)),
       stride_(request.stride),
       offset_x_(request.offset % request.stride),
@@ -169,7 +173,7 @@ uint32_t TileGrid::pixels(uint32_t tile, std::array<uint32_t, side * side>& out)
   for (uint32_t code = 0; code < side * side; ++code) {
     const uint32_t x = (column * side + compact_bits(code)) * stride_ + offset_x_;
     const uint32_t y = (row * side + compact_bits(code >> 1)) * stride_ + offset_y_;
-    if (x < width_ && y < height_) out[count++] = y * width_ + x;
+    if (x < width_ && y < height_ && request_.samples_pixel(y * width_ + x)) out[count++] = y * width_ + x;
   }
   return count;
 }

@@ -122,12 +122,14 @@ class TileGrid {
  public:
   static constexpr uint32_t side = 16;
 
+  /// The request must outlive it.
   TileGrid(const GBuffer&, const PassRequest&);
   uint32_t tile_count() const { return columns_ * rows_; }
   /// Writes the pixels of a tile; returns how many there are.
   uint32_t pixels(uint32_t tile, std::array<uint32_t, side * side>& out) const;
 
  private:
+  const PassRequest& request_;
   uint32_t width_, height_, stride_, offset_x_, offset_y_, columns_, rows_;
 };
 

@@ -6,7 +6,9 @@
 namespace halflight {
 
 PixelPositions::PixelPositions(const FrameView& frame, uint32_t round, uint32_t positions)
-    : frame_(frame), round_(round), positions_(frame.camera ? std::clamp(positions, 1u, most) : 1) {}
+    : frame_(frame),
+      round_(round),
+      positions_(frame.camera && frame.runs(Stage::antialiasing) ? std::clamp(positions, 1u, most) : 1) {}
 
 /// The R2 sequence (Roberts 2018), moved by a shift of the pixel's own.
 Vec2 PixelPositions::place(uint32_t pixel, uint32_t position) const {

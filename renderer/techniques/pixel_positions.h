@@ -22,8 +22,8 @@ class PixelPositions {
   static constexpr uint32_t most = 16;
 
   /// `round` numbers the sets of positions: those of one round are spread evenly over a pixel, and so are
-  /// those of successive rounds. Each position is uniform in its pixel over seeds. Without a camera there is
-  /// but the one of the G-buffer.
+  /// those of successive rounds. Each position is uniform in its pixel over seeds. Without a camera or
+  /// antialiasing there is but the one of the G-buffer.
   PixelPositions(const FrameView&, uint32_t round, uint32_t positions);
 
   uint32_t count() const { return positions_; }

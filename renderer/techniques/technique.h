@@ -81,18 +81,23 @@ struct FrameView {
   }
 };
 
-/// One pass: `samples` a pixel over every `stride`-th pixel in x and y. Discrete target: half of them go to
-/// each half of the film. Continuous target: S is redrawn between passes, so that halves are independent only
-/// when a pass fills one.
+/// One pass: `samples` a pixel over every `stride`-th pixel in x and y, or some of those. Discrete target:
+/// half of them go to each half of the film. Continuous target: S is redrawn between passes, so that halves
+/// are independent only when a pass fills one.
 struct PassRequest {
   uint32_t pass = 0;
   uint32_t samples = 32;
   std::optional<int> half;  ///< 0 or 1: all samples to that half; none: split
   uint32_t stride = 1;      ///< 1, 2 or 4
   uint32_t offset = 0;      ///< which of the stride² interleaved subsets
+  /// Where not empty, one flag a pixel of the picture: only those that have one are sampled.
+  std::span<const uint8_t> chosen{};
+  bool begins_round = true;  ///< false: goes on with the round `pass`, at pixels that it has not had yet
   std::stop_token stop{};
   /// Benchmarks: sees each batch of visibility rays before it is traced, from any thread.
   std::function<void(std::span<const ShadowRay>)> watch_rays{};
+
+  bool samples_pixel(uint32_t pixel) const { return chosen.empty() || chosen[pixel] != 0; }
 };
 
 struct PassStats {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/timeline.h"
+
 namespace halflight {
 
 namespace {
@@ -417,6 +419,7 @@ void TracedWorker::begin_tile() {
 void TracedWorker::end_tile() {
   const auto ticks = static_cast<double>(std::max<uint64_t>(ticks_now() - tile_start_ticks_, 1));
   const double seconds = tile_watch_.seconds(), unit = seconds / ticks;
+  if (Timeline* timeline = Timeline::current()) timeline->add_tile(seconds);
   const double visibility = static_cast<double>(visibility_ticks_) * unit,
                resolve = static_cast<double>(resolve_ticks_) * unit,
                distribution = static_cast<double>(distribution_ticks) * unit,

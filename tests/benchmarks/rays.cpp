@@ -69,17 +69,17 @@ double best_bare_rate(const Session& session, const RayScene& scene, std::vector
   return best;
 }
 
-/// A scene, or with `FILE.json#NAME` a view and the scene that it names.
-Scene open_named(const std::string& name, Messages& messages) {
+}  // namespace
+
+Scene open_named(const std::string& name, Messages& messages, float* ev) {
   if (name.find(".json") == std::string::npos) return load_scene(name, {}, messages);
   const View view = read_view(name);
   if (!view.scene) throw usage_error(name + ": the view names no scene");
   Scene scene = load_scene(view.scene->string(), {}, messages);
   apply_view(scene, view, {}, messages);
+  if (ev) *ev = view.ev.value_or(0.0f);
   return scene;
 }
-
-}  // namespace
 
 void benchmark_rays(const std::string& name) {
   Messages messages;

@@ -1,5 +1,6 @@
 // The shipped program as its users' scripts see it: exit codes, messages, files, JSON.
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -233,6 +234,76 @@ TEST_F(Program, TimeAndErrorEndAPicture) {
           .code,
       0);
   EXPECT_EQ(json::parse(text_of(at("x.json")))["spp"], 32.0);
+}
+
+TEST_F(Program, AdaptiveSamplingIsAskedForAndSaid) {
+  const auto render = [&](const std::string& output, const Arguments& more) {
+    Arguments arguments =
+        small(output, {"--samples", "1000000", "--until-error", "0.02", "--json", "x.json"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run(arguments).code, 0);
+    return json::parse(text_of(at("x.json")));
+  };
+  const json adaptive = render("1.exr", {"--threads", "1"}), uniform = render("u.exr", {"--adaptive", "off"});
+  EXPECT_EQ(adaptive["adaptive"], true);
+  EXPECT_EQ(uniform["adaptive"], false);
+  EXPECT_LT(adaptive["spp"], uniform["spp"]);
+  EXPECT_NE(text_of(at("1.exr")).find("stopped by its estimated error"), std::string::npos);
+  EXPECT_NE(text_of(at("1.exr")).find("adaptive"), std::string::npos);
+  EXPECT_EQ(text_of(at("u.exr")).find("adaptive"), std::string::npos);
+
+  // The same picture for any number of threads, in either target.
+  for (const Arguments& target : {Arguments{}, Arguments{"--technique", "halflight", "--adaptive", "on"}}) {
+    for (const char* threads : {"1", "2", "5"}) {
+      Arguments more{"--threads", threads};
+      more.insert(more.end(), target.begin(), target.end());
+      EXPECT_EQ(render(fmt::format("{}.exr", threads), more)["adaptive"], true);
+    }
+    for (const char* other : {"2.exr", "5.exr"})
+      EXPECT_EQ(run({"error", "1.exr", other, "--fail-above", "rmse=0"}).code, 0) << other;
+  }
+  EXPECT_EQ(json::parse((run(small("x.exr", {"--json", "x.json"})), text_of(at("x.json"))))["adaptive"],
+            false);
+  expect_fault(run(small("x.exr", {"--adaptive", "perhaps"})), 2, "--adaptive");
+}
+
+TEST_F(Program, ATimelineHoldsStagesAndTiles) {
+  ASSERT_EQ(run(small("x.exr", {"--trace", "trace.json"})).code, 0);
+  struct Span {
+    double begin, end;
+  };
+  std::map<std::string, std::vector<Span>> spans;
+  std::map<int, std::vector<Span>> of_thread;
+  for (const json& event : json::parse(text_of(at("trace.json")))["traceEvents"]) {
+    EXPECT_EQ(event["ph"], "X");
+    const Span span{event["ts"], event["ts"].get<double>() + event["dur"].get<double>()};
+    spans[event["name"]].push_back(span);
+    of_thread[event["tid"]].push_back(span);
+  }
+  constexpr double rounding = 0.002;  // microseconds
+  const auto inside = [&](const Span& a, const Span& b) {
+    return a.begin >= b.begin - rounding && a.end <= b.end + rounding;
+  };
+  const auto each_inside = [&](const char* inner, const char* outer) {
+    EXPECT_FALSE(spans[inner].empty()) << inner;
+    for (const Span& a : spans[inner])
+      EXPECT_TRUE(
+          std::any_of(spans[outer].begin(), spans[outer].end(), [&](const Span& b) { return inside(a, b); }))
+          << inner << " outside of " << outer;
+  };
+  EXPECT_EQ(spans["load"].size(), 1u);
+  each_inside("place points", "lights");
+  each_inside("tree and cut", "lights");
+  each_inside("sampling", "pass");
+  each_inside("tile", "sampling");
+  EXPECT_GE(spans["tile"].size(), 4u);  // 32×24 pixels are 2×2 tiles of 16×16
+  // On one thread two events are apart, or one holds the other.
+  for (const auto& [thread, all] : of_thread)
+    for (const Span& a : all)
+      for (const Span& b : all)
+        EXPECT_TRUE(inside(a, b) || inside(b, a) || a.end <= b.begin + rounding ||
+                    b.end <= a.begin + rounding);
+  ASSERT_EQ(run(small("x.exr")).code, 0);
 }
 
 TEST_F(Program, CtrlCKeepsWhatThereIs) {

@@ -1,0 +1,156 @@
+#include "film/sample_allocation.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace halflight {
+
+namespace {
+
+// Radii of the windows whose variances are averaged: the small one follows edges, the large one has seen rare
+// bright samples. Several sizes and weights did no better (docs/performance.md).
+constexpr int radii[] = {1, 4};
+// Least share of the mean number of samples, so that what the passes missed does not stay.
+constexpr double least_share = 0.1;
+// What a visit costs before its first sample, in samples: the pixel's distribution.
+constexpr double visit_cost = 16;
+constexpr uint32_t least_visit = 8;
+constexpr double highest_scale = 1e9;
+
+/// Mean over the square of `radius` around each pixel, the pixel itself left out.
+std::vector<double> mean_of_others(const std::vector<double>& values, int width, int height, int radius) {
+  std::vector<double> rows(values.size()), result(values.size());
+  parallel_for(0, static_cast<size_t>(height), 8, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y)
+      for (int x = 0; x < width; ++x) {
+        double sum = 0;
+        for (int i = std::max(0, x - radius); i <= std::min(width - 1, x + radius); ++i)
+          sum += values[y * width + i];
+        rows[y * width + x] = sum;
+      }
+  });
+  parallel_for(0, static_cast<size_t>(height), 8, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      const int top = std::max(0, static_cast<int>(y) - radius),
+                bottom = std::min(height - 1, static_cast<int>(y) + radius);
+      for (int x = 0; x < width; ++x) {
+        const size_t pixel = y * width + x;
+        double sum = 0;
+        for (int j = top; j <= bottom; ++j) sum += rows[static_cast<size_t>(j) * width + x];
+        const int columns = std::min(width - 1, x + radius) - std::max(0, x - radius) + 1;
+        const int others = columns * (bottom - top + 1) - 1;
+        result[pixel] = others > 0 ? std::max(0.0, sum - values[pixel]) / others : values[pixel];
+      }
+    }
+  });
+  return result;
+}
+
+double mean_of_channels(Vec3d v) { return (v.x + v.y + v.z) / 3; }
+
+}  // namespace
+
+SampleAllocation::SampleAllocation(int width, int height) : width_(width), height_(height) {
+  const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
+  sum_.resize(pixels, Vec3d(0));
+  variance_.resize(pixels), root_.resize(pixels);
+}
+
+void SampleAllocation::learn(const Film& before, const Film& after) {
+  ++passes_;
+  const auto added = [&](uint32_t pixel, int half) {
+    const uint32_t count = after.half_samples(pixel, half), old = before.half_samples(pixel, half);
+    const Vec3d sum = after.half_mean(pixel, half) * static_cast<double>(count) -
+                      before.half_mean(pixel, half) * static_cast<double>(old);
+    return std::pair(sum, count - old);
+  };
+  samples_ += added(0, 0).second + added(0, 1).second;
+  double picture = 0;
+  for (uint32_t i = 0; i < sum_.size(); ++i) {
+    const auto [a, count_a] = added(i, 0);
+    const auto [b, count_b] = added(i, 1);
+    HALFLIGHT_CHECK(count_a > 0 && count_b > 0);
+    const double na = count_a, nb = count_b;
+    const Vec3d apart = a / na - b / nb;
+    variance_[i] += mean_of_channels(apart * apart) / (1 / na + 1 / nb);
+    sum_[i] += a + b;
+    picture += mean_of_channels(sum_[i]);
+  }
+
+  // Relative variance: of the windows' variance to the square of their brightness.
+  const auto pixels = static_cast<double>(sum_.size()), samples = static_cast<double>(samples_);
+  const double floor2 = std::pow(0.01 * picture / (pixels * samples), 2);
+  std::vector<double> bright(sum_.size());
+  for (size_t i = 0; i < bright.size(); ++i) bright[i] = mean_of_channels(sum_[i]) / samples;
+  std::fill(root_.begin(), root_.end(), 0.0);
+  for (const int radius : radii) {
+    const std::vector<double> variance = mean_of_others(variance_, width_, height_, radius),
+                              brightness = mean_of_others(bright, width_, height_, radius);
+    for (size_t i = 0; i < root_.size(); ++i)
+      if (const double scale = brightness[i] * brightness[i] + floor2; scale > 0)
+        root_[i] += variance[i] / (passes_ * scale * std::size(radii));
+  }
+  double total = 0;
+  for (double& root : root_) total += root = std::isfinite(root) ? std::sqrt(root) : 0.0;
+  // Where there is no noise at all, all pixels are alike.
+  const double least = total > 0 ? least_share * total / pixels : 1.0;
+  for (double& root : root_) root = std::max(root, least);
+}
+
+double SampleAllocation::mean_samples(const Film& film, double scale) const {
+  double sum = 0;
+  for (uint32_t i = 0; i < root_.size(); ++i) sum += std::max<double>(film.samples(i), scale * root_[i]);
+  return sum / static_cast<double>(root_.size());
+}
+
+double SampleAllocation::expected_relmse(const Film& film, double scale) const {
+  double sum = 0;
+  for (uint32_t i = 0; i < root_.size(); ++i)
+    sum += root_[i] * root_[i] / std::max<double>(film.samples(i), scale * root_[i]);
+  return sum / static_cast<double>(root_.size());
+}
+
+namespace {
+
+/// The scale at which `reached` turns true.
+template <class Reached>
+double bisect_scale(const Reached& reached) {
+  double low = 1e-6, high = highest_scale;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = std::sqrt(low * high);
+    (reached(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+double SampleAllocation::scale_for_samples(const Film& film, double wanted) const {
+  return bisect_scale([&](double scale) { return mean_samples(film, scale) >= wanted; });
+}
+
+double SampleAllocation::scale_for_error(const Film& film, double wanted) const {
+  return bisect_scale([&](double scale) { return expected_relmse(film, scale) <= wanted; });
+}
+
+bool SampleAllocation::next_round(const Film& film, double scale, uint32_t most,
+                                  std::vector<uint16_t>& samples) const {
+  samples.assign(root_.size(), 0);
+  bool any = false;
+  for (uint32_t i = 0; i < root_.size(); ++i) {
+    const double done = film.samples(i), wanted = scale * root_[i], lacking = wanted - done;
+    // Of e/n with one more visit against what as much work brings elsewhere: (n − done)² > done · cost.
+    if (!(lacking * lacking > done * visit_cost) || lacking < least_visit) continue;
+    // The power of two that is nearest on a logarithmic scale.
+    const double nearest = std::min<double>(lacking * std::sqrt(2.0), most);
+    samples[i] = static_cast<uint16_t>(std::bit_floor(static_cast<uint32_t>(nearest)));
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace halflight

@@ -1,0 +1,164 @@
+// The window's render thread without a window: how long after a change its picture is there, and how good
+// that is.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "benchmarks/benchmarks.h"
+#include "commands/render_json.h"
+#include "core/parallel.h"
+#include "film/metrics.h"
+#include "viewer/camera_controls.h"
+#include "viewer/render_thread.h"
+
+namespace halflight {
+
+namespace {
+
+using Milliseconds = std::chrono::milliseconds;
+constexpr int width = 640, height = 480;
+
+RenderSettings window_settings() {
+  RenderSettings settings;
+  settings.width = width, settings.height = height;
+  settings.backend = Backend::none;
+  return settings;
+}
+
+/// Wall and processor time of something: on a busy machine the second, over its threads, is what an idle one
+/// takes.
+struct Latency {
+  double wall, cpu;
+};
+
+class Latencies {
+ public:
+  void add(Latency latency) { all_.push_back(latency); }
+
+  /// Median and 90 %, in milliseconds.
+  std::string text() const {
+    const auto at = [&](double Latency::*what, double share) {
+      std::vector<double> values;
+      for (const Latency& latency : all_) values.push_back(latency.*what);
+      std::sort(values.begin(), values.end());
+      return 1e3 * values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+    };
+    const double threads = thread_count();
+    return fmt::format("median {:4.0f} ms, 90 % {:4.0f} ms (processor time / {:.0f}: {:4.0f}, {:4.0f})",
+                       at(&Latency::wall, 0.5), at(&Latency::wall, 0.9), threads,
+                       at(&Latency::cpu, 0.5) / threads, at(&Latency::cpu, 0.9) / threads);
+  }
+
+ private:
+  std::vector<Latency> all_;
+};
+
+template <class Done>
+std::shared_ptr<const Snapshot> wait_for(const RenderThread& thread, const Done& done) {
+  for (;;) {
+    const auto snapshot = thread.latest();
+    if (snapshot && done(*snapshot)) return snapshot;
+    std::this_thread::sleep_for(Milliseconds(1));
+  }
+}
+
+bool same_camera(const Camera& a, const Camera& b) { return a.position == b.position && a.back == b.back; }
+
+/// The change, and its first picture.
+template <class Change, class Done>
+std::shared_ptr<const Snapshot> timed(RenderThread& thread, const Change& change, const Done& done,
+                                      Latencies& latencies) {
+  const double cpu = process_cpu_seconds();
+  const Stopwatch watch;
+  change();
+  auto snapshot = wait_for(thread, done);
+  latencies.add({watch.seconds(), process_cpu_seconds() - cpu});
+  return snapshot;
+}
+
+ImageRgb converged(const std::string& scene, const Camera& camera) {
+  constexpr uint32_t samples = 64;
+  Messages messages;
+  Session session(open_named(scene, messages), window_settings(), messages);
+  session.set_camera(camera);
+  session.run_pass(samples, 1, 0);
+  return session.film().image();
+}
+
+/// Something of the scene's light, `factor` times as bright.
+LightEdits brighter(LightEdits lights, float factor) {
+  for (PunctualLight& light : lights.lights) light.intensity *= factor;
+  for (Vec3& emission : lights.emission) emission *= factor;
+  lights.environment_strength *= factor;
+  return lights;
+}
+
+void benchmark_scene(const std::string& scene) {
+  float ev = 0;
+  RenderThread thread([&](Messages& messages, DisplaySettings&) { return open_named(scene, messages, &ev); },
+                      window_settings(), {}, 1 << 20);
+  const auto first = wait_for(thread, [](const Snapshot& s) { return s.mean_samples > 1; });
+  fmt::print("{}\n", scene);
+
+  // Single moves, each while the picture before converges.
+  constexpr int moves = 12;
+  Camera camera = first->camera;
+  Latencies latencies;
+  std::shared_ptr<const Snapshot> shown;
+  for (int i = 0; i < moves; ++i) {
+    camera = orbit_by_drag(camera, first->pivot, {8, 2}, height);
+    shown = timed(
+        thread, [&] { thread.set_camera(camera); },
+        [&](const Snapshot& s) { return same_camera(s.camera, camera); }, latencies);
+    std::this_thread::sleep_for(Milliseconds(300));
+  }
+  fmt::print("  camera, to its first picture: {}\n", latencies.text());
+
+  // Moves sixty times a second.
+  constexpr double seconds = 3;
+  size_t pictures = 0;
+  const double cpu = process_cpu_seconds();
+  const Snapshot* last = nullptr;
+  for (const Stopwatch watch; watch.seconds() < seconds; std::this_thread::sleep_for(Milliseconds(16))) {
+    thread.set_camera(
+        camera = orbit_by_drag(camera, first->pivot, {pictures % 20 < 10 ? 2.0f : -2.0f, 0}, height));
+    if (const auto latest = thread.latest(); latest.get() != last) last = latest.get(), ++pictures;
+  }
+  const double used = (process_cpu_seconds() - cpu) / thread_count();
+  fmt::print("  camera that moves on: {:.1f} pictures a second ({:.1f} a second of processor time / {})\n",
+             static_cast<double>(pictures) / seconds, static_cast<double>(pictures) / used, thread_count());
+
+  // A slider of all light.
+  Latencies relit;
+  std::vector<double> lights;
+  for (int i = 0; i < moves; ++i) {
+    const LightEdits edits = brighter(first->lights, 1 + 0.02f * static_cast<float>(i + 1));
+    const auto snapshot = timed(
+        thread, [&] { thread.edit_lights(edits); },
+        [&](const Snapshot& s) { return s.lights.environment_strength == edits.environment_strength; },
+        relit);
+    lights.push_back(snapshot->stats.seconds.lights);
+    std::this_thread::sleep_for(Milliseconds(50));
+  }
+  std::sort(lights.begin(), lights.end());
+  fmt::print("  light, to its first picture:  {}\n", relit.text());
+  fmt::print("    of it points, tree and cut: median {:.0f} ms, 90 % {:.0f} ms of wall time\n",
+             1e3 * lights[lights.size() / 2], 1e3 * lights[lights.size() * 9 / 10]);
+  thread.set_paused(true);
+
+  const ImageRgb reference = converged(scene, shown->camera);
+  fmt::print("  FLIP of the first picture after a move, against 64 samples a pixel: {:.3f}\n",
+             measure_error(shown->picture, reference, ev).flip);
+}
+
+}  // namespace
+
+void benchmark_interaction(const std::vector<std::string>& scenes) {
+  fmt::print("{}x{}, pixels by rays, {} threads, technique {}\n", width, height, thread_count(),
+             window_settings().technique);
+  const std::vector<std::string> all{"bedroom", std::string(HALFLIGHT_VIEWS) + "#hotel-room", "statue"};
+  for (const std::string& scene : scenes.empty() ? all : scenes) benchmark_scene(scene);
+}
+
+}  // namespace halflight

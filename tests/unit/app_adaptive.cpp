@@ -1,0 +1,92 @@
+// Adaptive sampling through whole pictures: their mean over many seeds is what it would be without it.
+#include <gtest/gtest.h>
+
+#include "commands/sampling.h"
+
+namespace halflight {
+namespace {
+
+constexpr int width = 32, height = 24, tile_side = 8;
+constexpr size_t tiles = (width / tile_side) * (height / tile_side);
+constexpr double most_z = 3.9;  ///< two-sided 1e-4, for 13 numbers at a time
+
+using Means = std::array<double, tiles + 1>;
+
+/// Of each tile, then of the whole picture.
+Means tile_means(const Film& film) {
+  Means means{};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double value = luminance(film.radiance(static_cast<uint32_t>(y * width + x)));
+      means[static_cast<size_t>(y / tile_side * (width / tile_side) + x / tile_side)] +=
+          value / (tile_side * tile_side);
+      means.back() += value / (width * height);
+    }
+  return means;
+}
+
+struct Statistics {
+  Means mean{}, variance_of_mean{};
+};
+
+Statistics over_seeds(Session& session, const SamplingGoal& goal, uint64_t first_seed, int seeds) {
+  Statistics result;
+  Means squares{};
+  for (int k = 0; k < seeds; ++k) {
+    RenderSettings settings = session.settings();
+    settings.seed = first_seed + static_cast<uint64_t>(k);
+    session.set_settings(settings);
+    sample_until(session, goal, Stopwatch(), {}, {});
+    const Means means = tile_means(session.film());
+    for (size_t t = 0; t < means.size(); ++t)
+      result.mean[t] += means[t] / seeds, squares[t] += means[t] * means[t] / seeds;
+  }
+  for (size_t t = 0; t < squares.size(); ++t)
+    result.variance_of_mean[t] = (squares[t] - result.mean[t] * result.mean[t]) / (seeds - 1);
+  return result;
+}
+
+RenderSettings settings_of(const std::string& technique, Target target) {
+  RenderSettings settings;
+  settings.technique = technique, settings.target = target;
+  settings.width = width, settings.height = height, settings.backend = Backend::none;
+  settings.values.set("lights.count", "512");
+  return settings;
+}
+
+SamplingGoal samples(uint32_t count, bool adaptive) {
+  SamplingGoal goal;
+  goal.samples = count, goal.adaptive = adaptive;
+  return goal;
+}
+
+TEST(Adaptive, TheMeanIsTheSum) {
+  Messages messages;
+  Session session(load_scene("plate", {}, messages), settings_of("bidirectional", Target::discrete),
+                  messages);
+  const Statistics found = over_seeds(session, samples(24, true), 1, 120);
+  session.set_settings(settings_of("reference", Target::discrete));
+  session.run_pass(1, 1, 0);
+  const Means truth = tile_means(session.film());
+  for (size_t t = 0; t < truth.size(); ++t)
+    EXPECT_NEAR(found.mean[t], truth[t], most_z * std::sqrt(found.variance_of_mean[t])) << t;
+  EXPECT_LT(std::sqrt(found.variance_of_mean.back()), 0.003 * truth.back()) << "too few seeds to tell";
+}
+
+/// Neighbours of a round share its set of virtual lights: here the number of samples and the samples are not
+/// quite independent, and this holds how much it may matter.
+TEST(Adaptive, TheMeanIsThatOfUniformSamplingInTheContinuousTarget) {
+  Messages messages;
+  Session session(load_scene("cornell", {}, messages), settings_of("halflight", Target::continuous),
+                  messages);
+  const Statistics adaptive = over_seeds(session, samples(24, true), 1, 100),
+                   uniform = over_seeds(session, samples(24, false), 1001, 100);
+  for (size_t t = 0; t < adaptive.mean.size(); ++t) {
+    const double error = std::sqrt(adaptive.variance_of_mean[t] + uniform.variance_of_mean[t]);
+    EXPECT_NEAR(adaptive.mean[t], uniform.mean[t], most_z * error) << t;
+    if (t == tiles) EXPECT_LT(error, 0.005 * uniform.mean[t]) << "too few seeds to tell";
+  }
+}
+
+}  // namespace
+}  // namespace halflight
