@@ -118,16 +118,23 @@ struct Session::Impl {
   uint64_t alpha_tests_known = 0;  ///< of `stats.rays`, those that the stage's counter has
 };
 
+RenderSettings opening_settings(RenderSettings settings) {
+  for (const auto& [key, most] : {std::pair("lights.count", 4096), std::pair("lights.repulsion", 0),
+                                  std::pair("cut.most", 256), std::pair("cut.least", 64)})
+    if (settings.values.get(key) > most) settings.values.set(key, std::to_string(most));
+  return settings;
+}
+
 Session::Session(Scene scene, const RenderSettings& settings, Messages& messages) {
   Stopwatch watch;
   impl_ = std::make_unique<Impl>(std::move(scene), settings, messages);
   HALFLIGHT_CHECK(!impl_->scene.cameras.empty());
   find_technique(settings.technique);
-  complete_lights(impl_->scene, messages);
   {
     const TimelineScope scope("ray tree");
     impl_->rays = std::make_unique<RayScene>(impl_->scene, settings.forced.has(Stage::alpha_filter));
   }
+  complete_lights(impl_->scene, *impl_->rays, messages);
   impl_->camera = impl_->scene.cameras.front();
   impl_->film = Film(settings.width, settings.height);
   impl_->open_backend();
@@ -231,7 +238,7 @@ void Session::Impl::count_held(const PassStats& pass) {
 std::vector<Vec3> Session::Impl::irradiance(const std::vector<BouncePoint>& points, uint64_t seed) {
   PointLighting lighting;
   lighting.punctual = !plan.shadow_maps;
-  lighting.samples = static_cast<int>(settings.values.get("lights.samples"));
+  lighting.samples = lighting_samples(static_cast<int>(settings.values.get("lights.samples")), points.size());
   if (light_quality == LightQuality::draft)
     lighting.samples = std::max(1, lighting.samples / draft_light_share);
   lighting.seed = seed;

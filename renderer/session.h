@@ -33,6 +33,11 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
+/// The same with a light set that stands at once: a scene that has just been opened shows a first picture
+/// with it while the one asked for is yet to be made. Fewer points, left where they were drawn, and a smaller
+/// cut.
+RenderSettings opening_settings(RenderSettings);
+
 /// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session
 /// did first.
 struct StageSeconds {

@@ -192,6 +192,7 @@ void RenderThread::apply(Wishes wishes) {
   if (wishes.settings) {
     session_->set_settings(*wishes.settings);
     settings_ = *wishes.settings;
+    opening_ = false;
   }
   if (wishes.lights && wishes.lights->emission.size() == session_->scene().materials.size()) {
     session_->edit_lights(*wishes.lights, LightQuality::draft);
@@ -201,7 +202,8 @@ void RenderThread::apply(Wishes wishes) {
   if (wishes.camera) session_->set_camera(*wishes.camera);
   // S and the pixel grid of the continuous target would be made anew after a draft.
   picture_is_draft_ = wishes.moves() && !session_->plan().redraws && draft_of(settings_) != settings_;
-  session_->set_settings(picture_is_draft_ ? draft_of(settings_) : settings_);
+  opening_ &= !picture_is_draft_;
+  if (!opening_) session_->set_settings(picture_is_draft_ ? draft_of(settings_) : settings_);
   subset_ = rounds_ = 0;
   since_restart_.lap();
 }
@@ -209,8 +211,10 @@ void RenderThread::apply(Wishes wishes) {
 void RenderThread::open_scene(const SceneLoader& loader) {
   Messages messages;
   // Built in full before the old one goes: a bad file leaves the old scene on screen.
-  auto session = std::make_unique<Session>(loader(messages, display_), settings_, messages_);
+  auto session =
+      std::make_unique<Session>(loader(messages, display_), opening_settings(settings_), messages_);
   session_ = std::move(session);
+  opening_ = opening_settings(settings_) != settings_;
   opened_ = describe(*session_, display_);
   ++scene_number_;
   for (const std::string& warning : messages.warnings) report(warning, false);
@@ -233,7 +237,9 @@ void RenderThread::run_one_pass() {
   if (stop.stop_requested()) return;
   if (++subset_ == pass_stride * pass_stride) subset_ = 0, ++rounds_;
   publish();
-  if (!std::exchange(picture_is_draft_, false)) return;
+  // The picture that stands in until the first of the settings proper.
+  const bool draft = std::exchange(picture_is_draft_, false), opening = std::exchange(opening_, false);
+  if (!draft && !opening) return;
   session_->set_settings(settings_);
   subset_ = rounds_ = 0;
 }

@@ -117,6 +117,7 @@ class RenderThread {
   std::unique_ptr<Session> session_;
   std::shared_ptr<const SceneSummary> opened_;
   uint64_t scene_number_ = 0;
+  bool opening_ = false;  ///< the session still has `opening_settings`
   uint32_t subset_ = 0, rounds_ = 0;
   bool lights_are_draft_ = false, picture_is_draft_ = false;
   Stopwatch since_restart_, since_lights_;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <queue>
 
+#include "core/parallel.h"
 #include "core/vector_bytes.h"
 #include "lights/cut_arrays.h"
 #include "lights/light_tree.h"
@@ -82,7 +83,9 @@ void fill_leaf_prefix(Cut& cut, size_t leaves, const Weight& weight, const Clust
 /// Starts of searches among the leaves of each cluster.
 void fill_leaf_guide(Cut& cut) {
   cut.leaf_guide.assign(cut.leaf_prefix.size() - 1, 0);
-  for (uint32_t k = 0; k < cut.size; ++k) set_leaf_ranges(cut, k);
+  parallel_for(0, cut.size, 16, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) set_leaf_ranges(cut, static_cast<uint32_t>(k));
+  });
 }
 
 /// Calls f with each array of clusters and what stands where there is none.

@@ -100,49 +100,72 @@ Vec3 weighted_mean(Vec3 a, float weight_a, Vec3 b, float weight_b) {
   return a + share * (b - a);
 }
 
-/// Boxes, measures, centres and normals, children before parents.
-void aggregate_geometry(LightTree& tree) {
-  for (size_t i = tree.nodes.size(); i-- > 0;) {
-    LightNode& node = tree.nodes[i];
-    if (node.left < 0) {
-      const VirtualLight& light = tree.lights[node.begin];
-      node.low = node.high = node.centre = light.position;
-      node.measure = light.measure, node.normal = light.normal, node.kind = light.kind;
-      continue;
-    }
-    const LightNode& a = tree.nodes[node.left];
-    const LightNode& b = tree.nodes[node.left + 1];
-    node.low = glm::min(a.low, b.low), node.high = glm::max(a.high, b.high);
-    node.measure = a.measure + b.measure, node.kind = a.kind;
-    node.centre = weighted_mean(a.centre, a.measure, b.centre, b.measure);
-    node.normal = weighted_mean(a.normal, a.measure, b.normal, b.measure);
+/// Calls `aggregate(index)` for each node under `root`, children before parents, large subtrees in parallel.
+template <class Aggregate>
+void children_first(const LightTree& tree, int32_t root, const Aggregate& aggregate) {
+  const LightNode& node = tree.nodes[static_cast<size_t>(root)];
+  if (node.left >= 0 && node.count() >= least_parallel_count) {
+    parallel_invoke([&] { children_first(tree, node.left, aggregate); },
+                    [&] { children_first(tree, node.left + 1, aggregate); });
+  } else if (node.left >= 0) {
+    // What lies below a node stands together, parents first.
+    for (int32_t i = node.left + 2 * static_cast<int32_t>(node.count()) - 2; i-- > node.left;)
+      aggregate(static_cast<size_t>(i));
   }
-  for (LightNode& node : tree.nodes) {
-    if (node.kind != LightKind::environment) continue;
-    const float length = glm::length(node.centre);
-    // Opposite directions may cancel; any member then stands for the node.
-    node.centre = length > 1e-6f ? node.centre / length : tree.lights[node.begin].position;
-  }
+  aggregate(static_cast<size_t>(root));
 }
 
-/// Powers and |C| var(l), children before parents; sums of squares are merged without cancellation (Chan et
-/// al. 1979).
-void aggregate_radiance(LightTree& tree) {
-  for (size_t i = tree.nodes.size(); i-- > 0;) {
-    LightNode& node = tree.nodes[i];
-    if (node.left < 0) {
-      node.power = leaf_power(tree.lights[node.begin]), node.error = 0;
-      continue;
-    }
-    const LightNode& a = tree.nodes[node.left];
-    const LightNode& b = tree.nodes[node.left + 1];
-    node.power = a.power + b.power;
-    const double measure_a = a.measure, measure_b = b.measure, measure = measure_a + measure_b;
-    const double difference = a.mean_radiance() - b.mean_radiance();
-    const double squares = a.error * (measure_a / a.count()) + b.error * (measure_b / b.count()) +
-                           (measure > 0 ? difference * difference * measure_a * (measure_b / measure) : 0.0);
-    node.error = measure > 0 ? squares / measure * node.count() : 0.0;
+template <class Aggregate>
+void aggregate_all(const LightTree& tree, const Aggregate& aggregate) {
+  for (const int32_t root : tree.roots)
+    if (root >= 0) children_first(tree, root, aggregate);
+}
+
+/// Box, measure, centre and normal of one node.
+void aggregate_geometry(LightTree& tree, size_t index) {
+  LightNode& node = tree.nodes[index];
+  if (node.left < 0) {
+    const VirtualLight& light = tree.lights[node.begin];
+    node.low = node.high = node.centre = light.position;
+    node.measure = light.measure, node.normal = light.normal, node.kind = light.kind;
+    return;
   }
+  const LightNode& a = tree.nodes[node.left];
+  const LightNode& b = tree.nodes[node.left + 1];
+  node.low = glm::min(a.low, b.low), node.high = glm::max(a.high, b.high);
+  node.measure = a.measure + b.measure, node.kind = a.kind;
+  node.centre = weighted_mean(a.centre, a.measure, b.centre, b.measure);
+  node.normal = weighted_mean(a.normal, a.measure, b.normal, b.measure);
+}
+
+/// Mean positions of distant lights become directions.
+void normalize_directions(LightTree& tree) {
+  parallel_for(0, tree.nodes.size(), 16384, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      LightNode& node = tree.nodes[i];
+      if (node.kind != LightKind::environment) continue;
+      const float length = glm::length(node.centre);
+      // Opposite directions may cancel; any member then stands for the node.
+      node.centre = length > 1e-6f ? node.centre / length : tree.lights[node.begin].position;
+    }
+  });
+}
+
+/// Power and |C| var(l) of one node; sums of squares are merged without cancellation (Chan et al. 1979).
+void aggregate_radiance(LightTree& tree, size_t index) {
+  LightNode& node = tree.nodes[index];
+  if (node.left < 0) {
+    node.power = leaf_power(tree.lights[node.begin]), node.error = 0;
+    return;
+  }
+  const LightNode& a = tree.nodes[node.left];
+  const LightNode& b = tree.nodes[node.left + 1];
+  node.power = a.power + b.power;
+  const double measure_a = a.measure, measure_b = b.measure, measure = measure_a + measure_b;
+  const double difference = a.mean_radiance() - b.mean_radiance();
+  const double squares = a.error * (measure_a / a.count()) + b.error * (measure_b / b.count()) +
+                         (measure > 0 ? difference * difference * measure_a * (measure_b / measure) : 0.0);
+  node.error = measure > 0 ? squares / measure * node.count() : 0.0;
 }
 
 }  // namespace
@@ -201,15 +224,17 @@ LightTree build_light_tree(std::vector<VirtualLight> lights) {
       tree.lights[i] = lights[items[i].index];
     }
   });
-  aggregate_geometry(tree);
-  aggregate_radiance(tree);
+  aggregate_all(tree, [&](size_t node) { aggregate_geometry(tree, node), aggregate_radiance(tree, node); });
+  normalize_directions(tree);
   return tree;
 }
 
 void relight(LightTree& tree, std::span<const Vec3> radiance) {
   HALFLIGHT_CHECK(radiance.size() == tree.lights.size());
-  for (size_t i = 0; i < tree.lights.size(); ++i) tree.lights[i].radiance = radiance[tree.original[i]];
-  aggregate_radiance(tree);
+  parallel_for(0, tree.lights.size(), 16384, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) tree.lights[i].radiance = radiance[tree.original[i]];
+  });
+  aggregate_all(tree, [&](size_t node) { aggregate_radiance(tree, node); });
 }
 
 }  // namespace halflight

@@ -123,21 +123,19 @@ std::vector<BouncePoint> spread_surface_points(const Scene& scene, const LightPo
 
 std::vector<VirtualLight> bounce_lights(const std::vector<BouncePoint>& points,
                                         const std::vector<Vec3>& irradiance) {
-  std::vector<VirtualLight> lights;
-  lights.reserve(2 * points.size());
-  for (uint32_t i = 0; i < points.size(); ++i) {
-    for (uint32_t side = 0; side < 2; ++side) {
-      const BouncePoint& point = points[i];
-      VirtualLight light;
+  std::vector<VirtualLight> lights(2 * points.size());
+  parallel_for(0, lights.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const BouncePoint& point = points[i / 2];
+      VirtualLight& light = lights[i];
       light.position = point.position;
       light.measure = point.area;
-      light.normal = side == 0 ? point.normal : -point.normal;
+      light.normal = i % 2 == 0 ? point.normal : -point.normal;
       light.kind = LightKind::surface;
-      light.radiance = point.albedo * irradiance[2 * i + side] / pi;
-      light.source = 2 * i + side;
-      lights.push_back(light);
+      light.radiance = point.albedo * irradiance[i] / pi;
+      light.source = static_cast<uint32_t>(i);
     }
-  }
+  });
   return lights;
 }
 

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <bit>
 
+#include "core/parallel.h"
+#include "core/radix_sort.h"
 #include "core/warp.h"
 
 namespace halflight {
 
 namespace {
+
+constexpr size_t grain = 8192;
 
 bool returns_light(const Material& material) {
   if (material.unlit || material.model == BrdfModel::none) return false;
@@ -30,14 +34,20 @@ uint32_t morton3(UVec3 v) {
 }  // namespace
 
 std::vector<uint32_t> reflecting_triangles(const Scene& scene) {
+  std::vector<uint8_t> returns(scene.materials.size());
+  for (size_t m = 0; m < returns.size(); ++m) returns[m] = returns_light(scene.materials[m]);
   std::vector<std::pair<uint32_t, uint32_t>> keyed;
+  keyed.reserve(scene.triangles.size());
+  for (uint32_t i = 0; i < scene.triangles.size(); ++i)
+    if (returns[scene.triangle_material[i]]) keyed.emplace_back(0, i);
   const Vec3 scale = 1023.0f / glm::max(scene.bounds.extent(), Vec3(1e-30f));
-  for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-    if (!returns_light(scene.materials[scene.triangle_material[i]])) continue;
-    const Vec3 centre = surface_position(scene, {i, {1.0f / 3, 1.0f / 3}});
-    keyed.emplace_back(morton3(UVec3(glm::clamp((centre - scene.bounds.low) * scale, 0.0f, 1023.0f))), i);
-  }
-  std::sort(keyed.begin(), keyed.end());
+  parallel_for(0, keyed.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3 centre = surface_position(scene, {keyed[i].second, {1.0f / 3, 1.0f / 3}});
+      keyed[i].first = morton3(UVec3(glm::clamp((centre - scene.bounds.low) * scale, 0.0f, 1023.0f)));
+    }
+  });
+  radix_sort(keyed);
   std::vector<uint32_t> order(keyed.size());
   std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& k) { return k.second; });
   return order;
@@ -49,9 +59,11 @@ Vec3 covered_albedo(const Scene& scene, SurfacePoint surface) {
 
 SurfaceStrata::SurfaceStrata(const Scene& scene) : triangles_(reflecting_triangles(scene)) {
   prefix_.assign(triangles_.size() + 1, 0.0);
-  for (size_t i = 0; i < triangles_.size(); ++i)
-    prefix_[i + 1] =
-        prefix_[i] + 0.5 * static_cast<double>(glm::length(triangle_cross(scene, triangles_[i])));
+  parallel_for(0, triangles_.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      prefix_[i + 1] = 0.5 * static_cast<double>(glm::length(triangle_cross(scene, triangles_[i])));
+  });
+  for (size_t i = 0; i < triangles_.size(); ++i) prefix_[i + 1] += prefix_[i];
   if (triangles_.empty()) return;
   const size_t shares = std::bit_ceil(triangles_.size());
   guide_.reserve(shares + 1);

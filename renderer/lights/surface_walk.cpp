@@ -1,8 +1,11 @@
 #include "lights/surface_walk.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
+#include <utility>
 
+#include "core/parallel.h"
 #include "core/random.h"
 #include "lights/point_grid.h"
 
@@ -10,56 +13,33 @@ namespace halflight {
 
 namespace {
 
+constexpr size_t grain = 8192;
+
 /// One number a distinct place, so that vertices split for their normals or uvs still meet.
 std::vector<uint32_t> weld_vertices(const Scene& scene) {
   constexpr uint32_t free_slot = 0xffffffffu;
   const size_t slots = std::bit_ceil(2 * scene.vertices.size() + 1);
   std::vector<uint32_t> table(slots, free_slot), place(scene.vertices.size());
-  for (uint32_t i = 0; i < scene.vertices.size(); ++i) {
-    const Vec3 p = scene.vertices[i].position + 0.0f;  // −0 and 0 are one place
-    const uint64_t hash =
-        hash_combine(std::bit_cast<uint32_t>(p.x) | uint64_t{std::bit_cast<uint32_t>(p.y)} << 32,
-                     std::bit_cast<uint32_t>(p.z));
-    size_t slot = hash & (slots - 1);
-    while (table[slot] != free_slot && scene.vertices[table[slot]].position != p)
-      slot = (slot + 1) & (slots - 1);
-    if (table[slot] == free_slot) table[slot] = i;
-    place[i] = table[slot];
-  }
-  return place;
-}
-
-/// An edge of a triangle, kept with the lower of its two vertices.
-struct Edge {
-  uint32_t high, triangle;
-  int opposite;
-};
-
-/// The edges of all triangles, those of vertex v at [first[v], first[v + 1]).
-struct EdgeLists {
-  std::vector<uint32_t> first;
-  std::vector<Edge> edges;
-};
-
-EdgeLists edges_by_vertex(const Scene& scene, std::span<const uint32_t> triangles) {
-  const std::vector<uint32_t> place = weld_vertices(scene);
-  EdgeLists lists;
-  lists.first.assign(scene.vertices.size() + 1, 0);
-  const auto for_edges = [&](auto&& visit) {
-    for (const uint32_t i : triangles) {
-      for (int corner = 0; corner < 3; ++corner) {
-        const uint32_t a = place[scene.triangles[i][(corner + 1) % 3]],
-                       b = place[scene.triangles[i][(corner + 2) % 3]];
-        if (a != b) visit(std::min(a, b), Edge{std::max(a, b), i, corner});
+  const auto same_place = [&](uint32_t a, uint32_t b) {
+    return scene.vertices[a].position == scene.vertices[b].position;
+  };
+  parallel_for(0, scene.vertices.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const auto vertex = static_cast<uint32_t>(i);
+      const Vec3 p = scene.vertices[i].position + 0.0f;  // −0 and 0 are one place
+      const uint64_t hash =
+          hash_combine(std::bit_cast<uint32_t>(p.x) | uint64_t{std::bit_cast<uint32_t>(p.y)} << 32,
+                       std::bit_cast<uint32_t>(p.z));
+      for (size_t slot = hash & (slots - 1);; slot = (slot + 1) & (slots - 1)) {
+        uint32_t there = free_slot;
+        if (std::atomic_ref(table[slot]).compare_exchange_strong(there, vertex, std::memory_order_relaxed))
+          there = vertex;
+        place[i] = there;
+        if (there == vertex || same_place(there, vertex)) break;
       }
     }
-  };
-  for_edges([&](uint32_t low, const Edge&) { ++lists.first[low + 1]; });
-  for (size_t i = 0; i + 1 < lists.first.size(); ++i) lists.first[i + 1] += lists.first[i];
-  lists.edges.resize(lists.first.back());
-  std::vector<uint32_t> next(lists.first.begin(), lists.first.end() - 1);
-  for_edges([&](uint32_t low, const Edge& edge) { lists.edges[next[low]++] = edge; });
-  return lists;
+  });
+  return place;
 }
 
 std::array<Vec3, 3> corners(const Scene& scene, uint32_t triangle) {
@@ -99,31 +79,49 @@ Vec3 unfold(Vec3 way, Vec3 edge, Vec3 from_corner, Vec3 into_corner, Vec3 on_edg
 }  // namespace
 
 TriangleNeighbours::TriangleNeighbours(const Scene& scene, std::span<const uint32_t> triangles)
-    : across_(scene.triangles.size(), {none, none, none}), folds_(scene.triangles.size(), 0b111) {
-  EdgeLists lists = edges_by_vertex(scene, triangles);
-  for (size_t vertex = 0; vertex + 1 < lists.first.size(); ++vertex) {
-    const auto begin = lists.edges.begin() + lists.first[vertex],
-               end = lists.edges.begin() + lists.first[vertex + 1];
-    std::sort(begin, end, [](const Edge& a, const Edge& b) {
-      return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+    : scene_(&scene), place_(weld_vertices(scene)), first_(scene.vertices.size() + 1, 0) {
+  const auto for_corners = [&](const auto& visit) {
+    parallel_for(0, triangles.size(), grain, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i)
+        for (int corner = 0; corner < 3; ++corner)
+          visit(place_[scene.triangles[triangles[i]][corner]], triangles[i]);
     });
-    for (auto edge = begin; edge != end;) {
-      const auto other_end = std::find_if(edge, end, [&](const Edge& e) { return e.high != edge->high; });
-      if (other_end - edge == 2)
-        join(scene, edge[0].triangle, edge[0].opposite, edge[1].triangle, edge[1].opposite);
-      edge = other_end;
-    }
-  }
+  };
+  const auto count_up = [](uint32_t& count) {
+    return std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed);
+  };
+  for_corners([&](uint32_t place, uint32_t) { count_up(first_[place]); });
+  uint32_t sum = 0;
+  for (uint32_t& first : first_) sum += std::exchange(first, sum);
+  triangles_.resize(sum);
+  for_corners([&](uint32_t place, uint32_t triangle) { triangles_[count_up(first_[place])] = triangle; });
+  // Each has been counted up to the next one's beginning.
+  for (size_t i = first_.size(); i-- > 1;) first_[i] = first_[i - 1];
+  if (!first_.empty()) first_[0] = 0;
 }
 
-void TriangleNeighbours::join(const Scene& scene, uint32_t a, int edge_a, uint32_t b, int edge_b) {
-  across_[a][static_cast<size_t>(edge_a)] = b;
-  across_[b][static_cast<size_t>(edge_b)] = a;
-  const Vec3 normal_a = triangle_cross(scene, a), normal_b = triangle_cross(scene, b);
-  const float lengths = glm::length(normal_a) * glm::length(normal_b);
-  if (glm::dot(normal_a, normal_b) < facing_together * lengths) return;
-  folds_[a] &= static_cast<uint8_t>(~(1u << edge_a));
-  folds_[b] &= static_cast<uint8_t>(~(1u << edge_b));
+uint32_t TriangleNeighbours::across(uint32_t triangle, int edge) const {
+  const UVec3 own = scene_->triangles[triangle];
+  uint32_t a = place_[own[(edge + 1) % 3]], b = place_[own[(edge + 2) % 3]];
+  if (a == b) return none;
+  if (first_[b + 1] - first_[b] < first_[a + 1] - first_[a]) std::swap(a, b);
+  uint32_t found = none;
+  for (uint32_t i = first_[a]; i < first_[a + 1]; ++i) {
+    const uint32_t other = triangles_[i];
+    if (other == triangle) continue;
+    const UVec3 t = scene_->triangles[other];
+    if (place_[t.x] != b && place_[t.y] != b && place_[t.z] != b) continue;
+    if (found != none && found != other) return none;
+    found = other;
+  }
+  return found;
+}
+
+bool TriangleNeighbours::folds(uint32_t triangle, int edge) const {
+  const uint32_t other = across(triangle, edge);
+  if (other == none) return true;
+  const Vec3 normal = triangle_cross(*scene_, triangle), normal_other = triangle_cross(*scene_, other);
+  return glm::dot(normal, normal_other) < facing_together * glm::length(normal) * glm::length(normal_other);
 }
 
 SurfacePoint walk_surface(const Scene& scene, const TriangleNeighbours& neighbours, SurfacePoint start,

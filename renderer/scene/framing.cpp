@@ -1,6 +1,7 @@
 // The camera a scene without one gets: rooms from inside, boxes with an open side through it, objects from
 // outside.
 #include <array>
+#include <mutex>
 #include <vector>
 
 #include "core/parallel.h"
@@ -127,6 +128,13 @@ class PictureFit {
     nearest_ = std::max(nearest_, z);
   }
 
+  /// Of the same camera: what another has been given too.
+  void add(const PictureFit& other) {
+    right_ = std::max(right_, other.right_), left_ = std::max(left_, other.left_);
+    top_ = std::max(top_, other.top_), bottom_ = std::max(bottom_, other.bottom_);
+    nearest_ = std::max(nearest_, other.nearest_);
+  }
+
   /// The camera moved, at least `least_distance` before the nearest point.
   Camera camera(float least_distance) const {
     const float back =
@@ -160,9 +168,15 @@ Camera fit_to_bounds(const Scene& scene, const Camera& orientation) {
 
 Camera fit_to_vertices(const Scene& scene, const Camera& orientation) {
   PictureFit fit(orientation, scene.bounds.centre());
-  for (const UVec3& t : scene.triangles) {
-    for (int corner = 0; corner < 3; ++corner) fit.add(scene.vertices[t[corner]].position);
-  }
+  std::mutex mutex;
+  parallel_for(0, scene.triangles.size(), 16384, [&](size_t begin, size_t end) {
+    PictureFit piece(orientation, scene.bounds.centre());
+    for (size_t i = begin; i < end; ++i)
+      for (int corner = 0; corner < 3; ++corner)
+        piece.add(scene.vertices[scene.triangles[i][corner]].position);
+    const std::lock_guard lock(mutex);
+    fit.add(piece);
+  });
   return fit.camera(least_distance(scene));
 }
 

@@ -51,6 +51,13 @@ void read_elements(const GltfAccessor& accessor, const uint8_t* first, uint64_t 
                    T* values) {
   const size_t size = component_size(accessor.component);
   const size_t column = accessor.columns == 1 ? 0 : (accessor.rows * size + 3) / 4 * 4;
+  const bool as_they_are =
+      (accessor.component == GltfComponent::float32 && std::is_same_v<T, float> && accessor.columns == 1) ||
+      (accessor.component == GltfComponent::uint32 && std::is_same_v<T, uint32_t>);
+  if (as_they_are && stride == accessor.element_size()) {
+    std::memcpy(values, first, count * stride);
+    return;
+  }
   if (accessor.component == GltfComponent::float32 && std::is_same_v<T, float> && accessor.columns == 1) {
     for (uint64_t i = 0; i < count; ++i, values += accessor.rows) {
       std::memcpy(values, first + i * stride, accessor.rows * sizeof(float));

@@ -1,12 +1,16 @@
 #include "scene/gltf_geometry.h"
 
+#include <memory>
 #include <numeric>
 
+#include "core/parallel.h"
 #include "scene/tangents.h"
 
 namespace halflight {
 
 namespace {
+
+constexpr size_t grain = 8192;  // vertices or triangles a piece of a parallel loop
 
 enum class Mode : uint32_t { triangles = 4, strip = 5, fan = 6 };
 
@@ -16,7 +20,8 @@ class AttributeSource {
   AttributeSource(const GltfSource& source, const GltfDocument& document, GltfReader& reader,
                   const GltfPrimitive& primitive, std::string_view place)
       : document_(document), reader_(reader), primitive_(primitive) {
-    if (primitive.draco && draco_available) draco_ = decode_draco(source, document, reader, primitive, place);
+    if (primitive.draco && draco_available)
+      draco_ = std::make_unique<DracoMesh>(decode_draco(source, document, reader, primitive, place));
   }
 
   /// `width` is set to the numbers a vertex; empty where the primitive has no such attribute.
@@ -41,7 +46,7 @@ class AttributeSource {
     return {};
   }
 
-  bool is_draco() const { return draco_.has_value(); }
+  bool is_draco() const { return draco_ != nullptr; }
 
  private:
 #ifdef HALFLIGHT_HAVE_DRACO
@@ -52,7 +57,7 @@ class AttributeSource {
   const GltfDocument& document_;
   GltfReader& reader_;
   const GltfPrimitive& primitive_;
-  std::optional<DracoMesh> draco_;
+  std::unique_ptr<DracoMesh> draco_;
 };
 
 /// glTF 2.0 §3.7.2.1: strips turn every other triangle round, fans share their first vertex.
@@ -60,9 +65,10 @@ std::vector<UVec3> assemble(const std::vector<uint32_t>& index, Mode mode) {
   std::vector<UVec3> triangles;
   if (index.size() < 3) return triangles;
   if (mode == Mode::triangles) {
-    triangles.reserve(index.size() / 3);
-    for (size_t i = 0; i + 2 < index.size(); i += 3)
-      triangles.emplace_back(index[i], index[i + 1], index[i + 2]);
+    triangles.resize(index.size() / 3);
+    parallel_for(0, triangles.size(), grain, [&](size_t begin, size_t end) {
+      for (size_t t = begin; t < end; ++t) triangles[t] = {index[3 * t], index[3 * t + 1], index[3 * t + 2]};
+    });
     return triangles;
   }
   triangles.reserve(index.size() - 2);
@@ -91,13 +97,17 @@ void read_vertices(AttributeSource& source, GltfGeometry& geometry) {
     uint32_t width = 0;
     const auto values = source.floats(name, width);
     if (values.empty() || width < least_width || values.size() < count * width) return false;
-    for (size_t i = 0; i < count; ++i) set(vertices[i], values.data() + i * width, width);
+    parallel_for(0, count, grain, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) set(vertices[i], values.data() + i * width, width);
+    });
     return true;
   };
-  for (size_t i = 0; i < count; ++i) {
-    const float* p = positions.data() + i * position_width;
-    vertices[i].position = {p[0], p[1], p[2]};
-  }
+  parallel_for(0, count, grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const float* p = positions.data() + i * position_width;
+      vertices[i].position = {p[0], p[1], p[2]};
+    }
+  });
   geometry.has_normals = fill("NORMAL", 3, [](Vertex& v, const float* p, uint32_t) {
     v.normal = unit_or_zero(Vec3d(p[0], p[1], p[2]));
   });
@@ -144,6 +154,10 @@ bool draws_triangles(const GltfPrimitive& primitive) {
 
 void check_indices(const GltfSource& source, const std::vector<uint32_t>& indices, size_t vertex_count,
                    std::string_view place) {
+  // The largest is found without branches; where it is too large the first one at fault is looked for.
+  uint32_t largest = 0;
+  for (const uint32_t index : indices) largest = std::max(largest, index);
+  if (largest < vertex_count || indices.empty()) return;
   for (size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] >= vertex_count) {
       source.fail(fmt::format("{}.indices", place), "ACCESSOR_INDEX_OOB",

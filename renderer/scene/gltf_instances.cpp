@@ -11,6 +11,8 @@ namespace halflight {
 
 namespace {
 
+constexpr size_t grain = 8192;  // vertices or triangles a piece of a parallel loop
+
 /// One primitive at one node, ready to be copied into the scene.
 struct Instance {
   std::shared_ptr<const GltfGeometry> geometry;
@@ -203,20 +205,24 @@ void place_instance(const Instance& instance, Scene& scene) {
   const glm::dmat3 linear(instance.to_world);
   const glm::dmat3 normals = normal_matrix(linear);
   const bool mirrored = glm::determinant(linear) < 0;
-  for (size_t i = 0; i < geometry.vertices.size(); ++i) {
-    Vertex vertex = geometry.vertices[i];
-    vertex.position = Vec3(instance.to_world * glm::dvec4(Vec3d(vertex.position), 1));
-    vertex.normal = unit_or_zero(normals * Vec3d(vertex.normal));
-    vertex.tangent = Vec4(unit_or_zero(linear * Vec3d(Vec3(vertex.tangent))),
-                          mirrored ? -vertex.tangent.w : vertex.tangent.w);
-    scene.vertices[instance.first_vertex + i] = vertex;
-  }
-  for (size_t t = 0; t < geometry.triangles.size(); ++t) {
-    UVec3 triangle = geometry.triangles[t] + static_cast<uint32_t>(instance.first_vertex);
-    if (mirrored) std::swap(triangle.y, triangle.z);
-    scene.triangles[instance.first_triangle + t] = triangle;
-    scene.triangle_material[instance.first_triangle + t] = instance.material;
-  }
+  parallel_for(0, geometry.vertices.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Vertex vertex = geometry.vertices[i];
+      vertex.position = Vec3(instance.to_world * glm::dvec4(Vec3d(vertex.position), 1));
+      vertex.normal = unit_or_zero(normals * Vec3d(vertex.normal));
+      vertex.tangent = Vec4(unit_or_zero(linear * Vec3d(Vec3(vertex.tangent))),
+                            mirrored ? -vertex.tangent.w : vertex.tangent.w);
+      scene.vertices[instance.first_vertex + i] = vertex;
+    }
+  });
+  parallel_for(0, geometry.triangles.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      UVec3 triangle = geometry.triangles[t] + static_cast<uint32_t>(instance.first_vertex);
+      if (mirrored) std::swap(triangle.y, triangle.z);
+      scene.triangles[instance.first_triangle + t] = triangle;
+      scene.triangle_material[instance.first_triangle + t] = instance.material;
+    }
+  });
 }
 
 /// Finite, and small enough that squared distances are too.
@@ -227,31 +233,50 @@ Vec3d cross_of(const Scene& scene, UVec3 t) {
   return glm::cross(Vec3d(scene.vertices[t.y].position) - a, Vec3d(scene.vertices[t.z].position) - a);
 }
 
-/// Drops triangles without area or with unusable positions, and mends normals that are missing.
+/// What `drop_unusable` has to do about a triangle.
+enum class Fate : uint8_t { keep, mend_normals, drop };
+
+Fate fate_of(const Scene& scene, UVec3 t) {
+  const Vertex &a = scene.vertices[t.x], &b = scene.vertices[t.y], &c = scene.vertices[t.z];
+  if (!is_usable(a.position) || !is_usable(b.position) || !is_usable(c.position)) return Fate::drop;
+  if (cross_of(scene, t) == Vec3d(0)) return Fate::drop;
+  const bool complete = a.normal != Vec3(0) && b.normal != Vec3(0) && c.normal != Vec3(0);
+  return complete ? Fate::keep : Fate::mend_normals;
+}
+
+/// Drops triangles without area or with unusable positions, and mends normals that are missing: the first
+/// triangle of a vertex gives its own.
 size_t drop_unusable(Scene& scene) {
+  const size_t count = scene.triangles.size();
+  std::vector<Fate> fates(count);
+  parallel_for(0, count, grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) fates[i] = fate_of(scene, scene.triangles[i]);
+  });
   size_t kept = 0;
-  for (size_t i = 0; i < scene.triangles.size(); ++i) {
+  for (size_t i = 0; i < count; ++i) {
+    if (fates[i] == Fate::drop) continue;
     const UVec3 t = scene.triangles[i];
-    Vertex *a = &scene.vertices[t.x], *b = &scene.vertices[t.y], *c = &scene.vertices[t.z];
-    if (!is_usable(a->position) || !is_usable(b->position) || !is_usable(c->position)) continue;
-    const Vec3d cross = cross_of(scene, t);
-    if (cross == Vec3d(0)) continue;
-    for (Vertex* vertex : {a, b, c}) {
-      if (vertex->normal == Vec3(0)) vertex->normal = unit_or_zero(cross);
+    for (int corner = 0; fates[i] == Fate::mend_normals && corner < 3; ++corner) {
+      Vertex& vertex = scene.vertices[t[corner]];
+      if (vertex.normal == Vec3(0)) vertex.normal = unit_or_zero(cross_of(scene, t));
     }
-    scene.triangles[kept] = t;
-    scene.triangle_material[kept] = scene.triangle_material[i];
+    if (kept != i) {
+      scene.triangles[kept] = t;
+      scene.triangle_material[kept] = scene.triangle_material[i];
+    }
     ++kept;
   }
-  const size_t dropped = scene.triangles.size() - kept;
   scene.triangles.resize(kept);
   scene.triangle_material.resize(kept);
-  for (Vertex& vertex : scene.vertices) {
-    if (!is_usable(vertex.position)) vertex.position = Vec3(0);
-    if (vertex.normal == Vec3(0)) vertex.normal = Vec3(0, 1, 0);
-    if (Vec3(vertex.tangent) == Vec3(0)) vertex.tangent = Vec4(0);
-  }
-  return dropped;
+  parallel_for(0, scene.vertices.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Vertex& vertex = scene.vertices[i];
+      if (!is_usable(vertex.position)) vertex.position = Vec3(0);
+      if (vertex.normal == Vec3(0)) vertex.normal = Vec3(0, 1, 0);
+      if (Vec3(vertex.tangent) == Vec3(0)) vertex.tangent = Vec4(0);
+    }
+  });
+  return count - kept;
 }
 
 /// What is not shown has not been decoded; its index values are tested all the same, as those of sparse

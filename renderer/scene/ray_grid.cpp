@@ -1,5 +1,10 @@
 #include "scene/ray_grid.h"
 
+#include <numeric>
+#include <utility>
+
+#include "core/parallel.h"
+
 namespace halflight {
 
 namespace {
@@ -7,6 +12,7 @@ namespace {
 constexpr uint32_t cells_along_longest = 48;
 constexpr size_t most_references = 20'000'000;  // of triangles by cells
 constexpr size_t most_triangles = 4'000'000;    // of larger scenes every n-th is taken
+constexpr size_t pieces = 4;                    // that triangles are visited in
 constexpr uint32_t crowded = 96;                // triangles that make a cell solid
 
 /// Cells a triangle's box meets.
@@ -61,6 +67,18 @@ std::array<Vec3, 3> RayGrid::grid_triangle(uint32_t triangle) const {
           to_grid(scene_->vertices[t.z].position)};
 }
 
+/// Calls `visit(piece, triangle)` for the triangles that are taken: pieces run in parallel, each in order,
+/// and are the same for any number of threads.
+template <class Visit>
+void RayGrid::for_each_piece(const Scene& scene, const Visit& visit) const {
+  const size_t taken = (scene.triangles.size() + stride_ - 1) / stride_;
+  parallel_for(0, pieces, 1, [&](size_t first, size_t last) {
+    for (size_t piece = first; piece < last; ++piece)
+      for (size_t i = taken * piece / pieces; i < taken * (piece + 1) / pieces; ++i)
+        visit(piece, static_cast<uint32_t>(i * stride_));
+  });
+}
+
 void RayGrid::choose_size(const Scene& scene) {
   const Vec3 extent = scene.bounds.extent();
   const float longest = max_component(extent);
@@ -68,32 +86,32 @@ void RayGrid::choose_size(const Scene& scene) {
     cell_ = longest > 0 ? longest / static_cast<float>(along) : 1;
     size_ = glm::clamp(UVec3(glm::ceil(extent / cell_)), UVec3(1), UVec3(along));
     if (along == 1) return;
-    size_t references = 0;
-    for (uint32_t i = 0; i < scene.triangles.size(); i += stride_)
-      references += cell_range(grid_triangle(i), size_).count();
+    std::array<size_t, pieces> counts{};
+    for_each_piece(scene, [&](size_t piece, uint32_t i) {
+      counts[piece] += cell_range(grid_triangle(i), size_).count();
+    });
+    const size_t references = std::accumulate(counts.begin(), counts.end(), size_t{0});
     if (references <= most_references) return;
   }
 }
 
-/// Calls `visit(cell, triangle, normal)` for each cell a triangle may meet; the normal is in grid units,
-/// twice the area.
+/// Calls `visit(cell, normal)` for each cell a triangle may meet; the normal is in grid units, twice the
+/// area.
 template <class Visit>
-void RayGrid::for_each_reference(const Scene& scene, Visit&& visit) const {
-  for (uint32_t i = 0; i < scene.triangles.size(); i += stride_) {
-    const std::array<Vec3, 3> p = grid_triangle(i);
-    const CellRange range = cell_range(p, size_);
-    const Vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-    if (range.low == range.high) {
-      visit(index(range.low), i, normal);
-      continue;
-    }
-    const float offset = glm::dot(normal, p[0]);
-    UVec3 c;
-    for (c.z = range.low.z; c.z <= range.high.z; ++c.z) {
-      for (c.y = range.low.y; c.y <= range.high.y; ++c.y) {
-        for (c.x = range.low.x; c.x <= range.high.x; ++c.x) {
-          if (plane_meets_cell(normal, offset, Vec3(c) + 0.5f)) visit(index(c), i, normal);
-        }
+void RayGrid::for_each_cell(uint32_t triangle, const Visit& visit) const {
+  const std::array<Vec3, 3> p = grid_triangle(triangle);
+  const CellRange range = cell_range(p, size_);
+  const Vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+  if (range.low == range.high) {
+    visit(index(range.low), normal);
+    return;
+  }
+  const float offset = glm::dot(normal, p[0]);
+  UVec3 c;
+  for (c.z = range.low.z; c.z <= range.high.z; ++c.z) {
+    for (c.y = range.low.y; c.y <= range.high.y; ++c.y) {
+      for (c.x = range.low.x; c.x <= range.high.x; ++c.x) {
+        if (plane_meets_cell(normal, offset, Vec3(c) + 0.5f)) visit(index(c), normal);
       }
     }
   }
@@ -101,19 +119,34 @@ void RayGrid::for_each_reference(const Scene& scene, Visit&& visit) const {
 
 void RayGrid::fill(const Scene& scene) {
   const size_t cells = static_cast<size_t>(size_.x) * size_.y * size_.z;
+  // Counts first, then places: both visit the same cells.
+  struct Piece {
+    std::vector<uint32_t> next;
+    std::vector<Vec3> normal_sum;
+  };
+  std::array<Piece, pieces> all;
+  for (Piece& piece : all) piece = {std::vector<uint32_t>(cells, 0), std::vector<Vec3>(cells, Vec3(0))};
+  for_each_piece(scene, [&](size_t piece, uint32_t triangle) {
+    for_each_cell(triangle, [&](size_t cell, Vec3 normal) {
+      ++all[piece].next[cell];
+      all[piece].normal_sum[cell] += normal;
+    });
+  });
   begin_.assign(cells + 1, 0);
   normal_sum_.assign(cells, Vec3(0));
-
-  // Counts first, then places: both visit the same cells.
-  for_each_reference(scene, [&](size_t cell, uint32_t, Vec3 normal) {
-    ++begin_[cell + 1];
-    normal_sum_[cell] += normal;
+  uint32_t sum = 0;
+  for (size_t cell = 0; cell < cells; ++cell) {
+    begin_[cell] = sum;
+    for (Piece& piece : all) {
+      sum += std::exchange(piece.next[cell], sum);
+      normal_sum_[cell] += piece.normal_sum[cell];
+    }
+  }
+  begin_[cells] = sum;
+  triangles_.resize(sum);
+  for_each_piece(scene, [&](size_t piece, uint32_t triangle) {
+    for_each_cell(triangle, [&](size_t cell, Vec3) { triangles_[all[piece].next[cell]++] = triangle; });
   });
-  for (size_t c = 0; c < cells; ++c) begin_[c + 1] += begin_[c];
-  triangles_.resize(begin_[cells]);
-  std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for_each_reference(scene,
-                     [&](size_t cell, uint32_t triangle, Vec3) { triangles_[next[cell]++] = triangle; });
 }
 
 RayGrid::Hit RayGrid::cast_in_cell(size_t cell, Vec3 origin, Vec3 direction, float entry, float exit) const {

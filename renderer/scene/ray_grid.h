@@ -36,7 +36,9 @@ class RayGrid {
   Vec3 to_grid(Vec3 p) const { return (p - low_) / cell_; }
   std::array<Vec3, 3> grid_triangle(uint32_t triangle) const;
   template <class Visit>
-  void for_each_reference(const Scene&, Visit&&) const;
+  void for_each_piece(const Scene&, const Visit&) const;
+  template <class Visit>
+  void for_each_cell(uint32_t triangle, const Visit&) const;
   void choose_size(const Scene&);
   void fill(const Scene&);
   Hit cast_in_cell(size_t cell_index, Vec3 origin, Vec3 direction, float entry, float exit) const;

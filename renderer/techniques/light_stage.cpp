@@ -11,6 +11,8 @@ namespace halflight {
 
 namespace {
 
+constexpr uint32_t most_pushed_points = 131072;
+
 bool same_place(const VirtualLight& a, const VirtualLight& b) {
   return a.kind == b.kind && a.position == b.position && a.normal == b.normal && a.measure == b.measure;
 }
@@ -38,11 +40,14 @@ std::vector<VirtualLight> LightStage::gather(const Scene& scene, const LightPoin
   std::vector<VirtualLight> all;
   const auto place = [&](Stage stage, const auto& make) {
     Stopwatch watch;
-    const std::vector<VirtualLight> more = make();
-    all.insert(all.end(), more.begin(), more.end());
+    std::vector<VirtualLight> more = make();
     StageCounter& counter = counters_[stage];
     ++counter.calls;
     counter.bytes = more.size() * sizeof(VirtualLight);
+    if (all.empty())
+      all = std::move(more);
+    else
+      all.insert(all.end(), more.begin(), more.end());
     counter.seconds += watch.seconds();
   };
   if (kinds_.environment)
@@ -76,6 +81,9 @@ void LightStage::build(const Scene& scene, const LightKinds& kinds, const Settin
   point_settings_.count = static_cast<uint32_t>(values.get("lights.count"));
   point_settings_.seed = hash_combine(static_cast<uint64_t>(values.get("lights.seed")), pass_seed);
   point_settings_.repulsion_steps = static_cast<int>(values.get("lights.repulsion"));
+  // So many are nearer to the integral where they were drawn than the default set when pushed
+  // (docs/performance.md).
+  if (point_settings_.count > most_pushed_points) point_settings_.repulsion_steps = 0;
   // Pushed points have no known density: redrawn sets stay stratified, so that their mean is the integral.
   if (pass_seed != 0) point_settings_.repulsion_steps = 0;
   Stopwatch watch;

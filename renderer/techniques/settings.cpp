@@ -16,9 +16,12 @@ constexpr std::array shared_table{
     SettingInfo{"lights.count", 32768, 1, 1e6,
                 "points placed for each kind of light; a surface point is a light on each side"},
     SettingInfo{"lights.seed", 0, 0, 9007199254740992.0, "positions of S in the discrete target"},
-    SettingInfo{"lights.repulsion", 4, 0, 64, "steps that push surface points apart; 0: stratified points"},
-    SettingInfo{"lights.samples", 16, 0, 4096,
-                "shadow rays that light a surface point from environment and emitters"},
+    SettingInfo{"lights.repulsion", 4, 0, 64,
+                "steps that push surface points apart, of at most 131072 points; 0: stratified points"},
+    SettingInfo{
+        "lights.samples", 16, 0, 4096,
+        "shadow rays that light a surface point from environment and emitters; of more points than 32768 "
+        "each gets fewer, at least one"},
     SettingInfo{"cut.error", 0.05, 0, 1e6, "relative error a cluster of the cut may keep"},
     SettingInfo{"cut.sigma", 0, 0, 1e30,
                 "above 0: the paper's absolute error per cluster instead (it uses 5)"},

@@ -64,10 +64,9 @@ Vec3 ceiling_place(const RayScene& rays, const Camera& camera, float reach) {
 
 }  // namespace
 
-void complete_lights(Scene& scene, Messages& messages) {
+void complete_lights(Scene& scene, const RayScene& rays, Messages& messages) {
   if (has_any_light(scene)) return;
   if (!scene.triangles.empty() && !scene.cameras.empty()) {
-    const RayScene rays(scene);
     const Surroundings around = look_around(rays, scene.cameras.front().position);
     if (around.escaping < enclosed_below) {
       PunctualLight lamp;

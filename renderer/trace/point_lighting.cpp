@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "core/parallel.h"
 #include "core/random.h"
 #include "lights/virtual_light.h"
@@ -29,6 +31,13 @@ struct PendingRays {
 
 }  // namespace
 
+int lighting_samples(int samples, size_t points) {
+  constexpr size_t fully_lit = 32768;
+  if (points <= fully_lit) return samples;
+  const double share = static_cast<double>(fully_lit) / static_cast<double>(points);
+  return std::min(samples, std::max(1, static_cast<int>(std::lround(samples * share))));
+}
+
 std::vector<Vec3> irradiance_by_rays(const RayScene& rays, const std::vector<BouncePoint>& points,
                                      const PointLighting& lighting, RayCounters& counters) {
   const Scene& scene = rays.scene();
@@ -50,6 +59,8 @@ std::vector<Vec3> irradiance_by_rays(const RayScene& rays, const EnvironmentSamp
   counters +=
       counted_parallel_for(points.size(), points_a_batch, [&](size_t begin, size_t end, RayCounters& local) {
         PendingRays pending;
+        std::vector<Vec2> places(static_cast<size_t>(environment_samples));
+        std::vector<IncidentSample> incident(places.size());
         for (size_t i = begin; i < end; ++i) {
           const BouncePoint& point = points[i];
           const auto index = static_cast<uint32_t>(i);
@@ -64,11 +75,12 @@ std::vector<Vec3> irradiance_by_rays(const RayScene& rays, const EnvironmentSamp
           for (int s = 0; s < environment_samples; ++s) {
             const float stratum =
                 (static_cast<float>(s) + random.next()) / static_cast<float>(environment_samples);
-            const IncidentSample sample =
-                environment.sample({random.next(), std::min(stratum, 0x1.fffffep-1f)});
+            places[static_cast<size_t>(s)] = {random.next(), std::min(stratum, 0x1.fffffep-1f)};
+          }
+          environment.sample(places, incident);
+          for (const IncidentSample& sample : incident)
             pending.add(scene, point, index, sample.wi, sample.distance,
                         sample.radiance_over_pdf / static_cast<float>(environment_samples));
-          }
           for (int s = 0; s < emitter_samples; ++s) {
             const float stratum =
                 (static_cast<float>(s) + random.next()) / static_cast<float>(emitter_samples);

@@ -30,6 +30,10 @@ struct PointLighting {
   uint32_t alpha_seed = 0;
 };
 
+/// Shadow rays for each of `points` points where 32,768 of them would get `samples`: more points share as many rays, at
+/// least one each. The noise of a sum over all points hangs on the rays in all.
+int lighting_samples(int samples, size_t points);
+
 /// Irradiance on both sides of each point (2·i front, 2·i + 1 back) from punctual lights (one ray each),
 /// environment and emitters (sampled by power; unbiased).
 std::vector<Vec3> irradiance_by_rays(const RayScene&, const std::vector<BouncePoint>&, const PointLighting&,
@@ -47,7 +51,8 @@ void add_punctual_by_rays(const RayScene&, std::span<const GBufferTexel>, uint32
                           std::span<Vec3> radiance, RayCounters&);
 
 /// Light a scene needs to be seen: with none at all, a lamp at the ceiling where the camera stands enclosed
-/// (few rays escape), else the built-in sky. Notes what it added in the facts and as a message.
-void complete_lights(Scene&, Messages&);
+/// (few rays escape), else the built-in sky. Notes what it added in the facts and as a message. The rays must be those
+/// of the scene.
+void complete_lights(Scene&, const RayScene&, Messages&);
 
 }  // namespace halflight

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/errors.h"
+#include "core/parallel.h"
 #include "trace/embree_api.h"
 
 namespace halflight {
@@ -141,6 +142,7 @@ RayScene::Impl::Impl(const Scene& scene_in, bool filter_all)
   rtcSetSceneBuildQuality(embree_scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   // Rays along an edge that triangles share must meet one of them.
   rtcSetSceneFlags(embree_scene.get(), RTC_SCENE_FLAG_ROBUST);
+  opaque.triangles.reserve(scene.triangles.size());
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     const bool alpha =
         filter_all || scene.materials[scene.triangle_material[i]].alpha_mode != AlphaMode::opaque;
@@ -164,7 +166,9 @@ void RayScene::Impl::add_geometry(AlphaGeometry& geometry, bool is_filtered) {
   auto* indices = static_cast<UVec3*>(rtcSetNewGeometryBuffer(
       mesh.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(UVec3), geometry.triangles.size()));
   if (!indices) throw_embree_error(rtcGetDeviceError(device.get()), "allocating indices");
-  for (size_t i = 0; i < geometry.triangles.size(); ++i) indices[i] = scene.triangles[geometry.triangles[i]];
+  parallel_for(0, geometry.triangles.size(), 16384, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) indices[i] = scene.triangles[geometry.triangles[i]];
+  });
   rtcSetGeometryUserData(mesh.get(), &geometry);
   if (is_filtered) {
     rtcSetGeometryIntersectFilterFunction(mesh.get(), alpha_filter);

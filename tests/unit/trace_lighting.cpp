@@ -296,7 +296,7 @@ TEST(Completion, EnclosedSceneGetsALampAndOpenOneASky) {
   add_patch(box, {0, 0, 0}, {0, 3, 0}, {0, 0, 4});
   add_patch(box, {4, 0, 0}, {0, 0, 4}, {0, 3, 0});
   box.cameras.push_back(look_at({1, 1.5f, 1}, {3, 1, 3}, {0, 1, 0}, 1));
-  complete_lights(box, messages);
+  complete_lights(box, RayScene(box), messages);
   EXPECT_TRUE(box.facts.added_lamp);
   ASSERT_EQ(box.lights.size(), 1u);
   EXPECT_GT(box.lights[0].position.y, 2);
@@ -309,7 +309,7 @@ TEST(Completion, EnclosedSceneGetsALampAndOpenOneASky) {
 
   Scene open = floor_scene(10);
   open.cameras.push_back(look_at({1, 1.5f, 1}, {0, 0, 0}, {0, 1, 0}, 1));
-  complete_lights(open, messages);
+  complete_lights(open, RayScene(open), messages);
   EXPECT_TRUE(open.facts.added_sky);
   EXPECT_TRUE(open.environment.present());
 
@@ -321,14 +321,14 @@ TEST(Completion, EnclosedSceneGetsALampAndOpenOneASky) {
   add_patch(sign, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 1);
   Scene only_signs = sign;
   only_signs.materials[0].unlit = true;
-  complete_lights(sign, messages);
+  complete_lights(sign, RayScene(sign), messages);
   EXPECT_TRUE(sign.facts.added_sky);
-  complete_lights(only_signs, messages);
+  complete_lights(only_signs, RayScene(only_signs), messages);
   EXPECT_FALSE(only_signs.facts.added_sky || only_signs.facts.added_lamp);
 
   Scene lit = floor_scene(10);
   lit.lights.emplace_back();
-  complete_lights(lit, messages);
+  complete_lights(lit, RayScene(lit), messages);
   EXPECT_FALSE(lit.facts.added_sky || lit.facts.added_lamp);
 }
 
