@@ -101,8 +101,8 @@ double at_error(const Measured& m, double wanted) {
 
 }  // namespace
 
-void benchmark_adaptive(const std::vector<std::string>& options) {
-  const AdaptiveBenchmark benchmark = parse(options);
+void benchmark_adaptive(const BenchmarkOptions& options) {
+  const AdaptiveBenchmark benchmark = parse(options.names);
   fmt::print(
       "--until-error {}: {}, {}x{}, {} seeds; CPU seconds of S and sampling, errors against a long run\n",
       benchmark.error, benchmark.settings.technique, benchmark.settings.width, benchmark.settings.height,

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <ctime>
+#include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/errors.h"
@@ -10,26 +13,69 @@
 
 namespace halflight {
 
-/// Renders a pass of a scene (or of a view, `FILE.json#NAME`), then traces the same visibility rays in bare
+/// What the command line says after a benchmark's name.
+struct BenchmarkOptions {
+  std::vector<std::string> names;  ///< what is neither an option nor its value
+  std::filesystem::path folder;    ///< -o: where curves are written; empty: nowhere
+  bool quick = false;              ///< --quick: smaller, to see that all of it runs
+};
+
+/// Renders a pass of each scene (or view, `FILE.json#NAME`), then traces the same visibility rays in bare
 /// loops; prints both.
-void benchmark_rays(const std::string& scene);
+void benchmark_rays(const BenchmarkOptions&);
 
 /// Prints for each scene what `render --until-error 0.01` takes with adaptive sampling of what it takes
-/// without, at equal measured error, and the geometric mean. `options`: scenes, technique, target, size,
-/// seeds; see main.cpp.
-void benchmark_adaptive(const std::vector<std::string>& options);
+/// without, at equal measured error, and the geometric mean. Names: scenes, technique, target, size,
+/// seeds.
+void benchmark_adaptive(const BenchmarkOptions&);
 
 /// Prints what the window's render thread takes from a camera's move or a light's change to its picture, how
 /// many pictures a second it has while the camera moves, and the first picture's FLIP against the converged
 /// one.
-void benchmark_interaction(const std::vector<std::string>& scenes);
+void benchmark_interaction(const BenchmarkOptions&);
 
 /// A scene, or with `FILE.json#NAME` a view and the scene that it names. `ev`, where given, is set to the
 /// view's.
 Scene open_named(const std::string& name, Messages&, float* ev = nullptr);
 
 /// Prints what the steps before visibility cost on one core.
-void benchmark_steps();
+void benchmark_steps(const BenchmarkOptions&);
+
+/// Opens generated .glb files; prints the time to the first picture against tinygltf's parse and Embree's
+/// build.
+void benchmark_load(const BenchmarkOptions&);
+
+/// Error and time against |S|, triangles, pixels and threads; writes the curves.
+void benchmark_scale(const BenchmarkOptions&);
+
+/// CPU seconds of the shipped program to the errors that other renderers were timed to.
+void benchmark_outside(const BenchmarkOptions&);
+
+/// Wall-clock seconds, and those of all threads of this process: what other programs do stays out of the
+/// latter.
+struct Seconds {
+  double wall = 0, cpu = 0;
+  Seconds& operator+=(const Seconds& o) {
+    wall += o.wall, cpu += o.cpu;
+    return *this;
+  }
+  Seconds operator+(const Seconds& o) const { return {wall + o.wall, cpu + o.cpu}; }
+};
+
+inline double process_cpu_seconds_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// Measures laps in both.
+class BothClocks {
+ public:
+  Seconds lap() {
+    const double now = process_cpu_seconds_now();
+    return {watch_.lap(), now - std::exchange(cpu_start_, now)};
+  }
+
+ private:
+  Stopwatch watch_;
+  double cpu_start_ = process_cpu_seconds_now();
+};
 
 /// Least seconds of one call of `action` over some rounds of `repeats` calls.
 template <class Action>

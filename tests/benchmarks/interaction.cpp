@@ -154,11 +154,11 @@ void benchmark_scene(const std::string& scene) {
 
 }  // namespace
 
-void benchmark_interaction(const std::vector<std::string>& scenes) {
+void benchmark_interaction(const BenchmarkOptions& options) {
   fmt::print("{}x{}, pixels by rays, {} threads, technique {}\n", width, height, thread_count(),
              window_settings().technique);
   const std::vector<std::string> all{"bedroom", std::string(HALFLIGHT_VIEWS) + "#hotel-room", "statue"};
-  for (const std::string& scene : scenes.empty() ? all : scenes) benchmark_scene(scene);
+  for (const std::string& scene : options.names.empty() ? all : options.names) benchmark_scene(scene);
 }
 
 }  // namespace halflight

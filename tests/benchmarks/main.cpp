@@ -1,7 +1,8 @@
-// halflight_benchmark: how near the CPU stage comes to a bare loop of Embree, and what its steps cost.
+// halflight_benchmark: what the renderer costs, as ratios within one run. Run by hand (docs/performance.md).
 #include <fmt/format.h>
 
 #include <iostream>
+#include <optional>
 
 #include "benchmarks/benchmarks.h"
 #include "core/errors.h"
@@ -10,18 +11,53 @@ using namespace halflight;
 
 namespace {
 
+struct Benchmark {
+  std::string_view name, arguments, what;
+  bool needs_names, takes_names;
+  void (*run)(const BenchmarkOptions&);
+};
+
+constexpr Benchmark benchmarks[] = {
+    {"rays", "SCENE...",
+     "rays a second in the renderer and in a bare loop (SCENE may be a view: FILE.json#NAME)", true, true,
+     benchmark_rays},
+    {"adaptive", "[SCENE...] [KEY=VALUE...]",
+     "--until-error with adaptive sampling against without (technique, target, size, seeds, error)", false, true,
+     benchmark_adaptive},
+    {"interaction", "[SCENE...]", "from a change to its picture, in the window's render thread", false, true,
+     benchmark_interaction},
+    {"steps", "", "cost of tree, cut, importance, draws and counting", false, false, benchmark_steps},
+    {"load", "[--quick]", "from a .glb to the first picture, against tinygltf's parse and Embree's build",
+     false, false, benchmark_load},
+    {"scale", "[CURVE...] [--quick] [-o DIR]", "error and time against lights, triangles, image, threads",
+     false, true, benchmark_scale},
+    {"outside", "[SCENE...] [--quick] [-o DIR]",
+     "CPU seconds of the program to errors that others were timed to", false, true, benchmark_outside},
+};
+
 int usage() {
-  std::cerr
-      << "usage: halflight_benchmark rays SCENE...   rays a second in the renderer and in a bare loop\n"
-         "                                        (SCENE may be a view: FILE.json#NAME)\n"
-         "       halflight_benchmark adaptive [SCENE...] [technique=ID] [target=KIND] [size=WxH] [seeds=N] "
-         "[error=X]\n"
-         "                                           --until-error with adaptive sampling against without\n"
-         "       halflight_benchmark interaction [SCENE...]\n"
-         "                                           from a change to its picture, in the window's render "
-         "thread\n"
-         "       halflight_benchmark steps           cost of tree, cut, importance, draws and counting\n";
+  std::cerr << "usage: halflight_benchmark NAME [arguments]\n";
+  for (const Benchmark& benchmark : benchmarks)
+    std::cerr << fmt::format("  {:<11} {:<29} {}\n", benchmark.name, benchmark.arguments, benchmark.what);
   return static_cast<int>(ExitCode::usage);
+}
+
+/// Nothing where the words make no sense.
+std::optional<BenchmarkOptions> read_options(const std::vector<std::string>& words) {
+  BenchmarkOptions options;
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "--quick") {
+      options.quick = true;
+    } else if (words[i] == "-o") {
+      if (++i == words.size()) return {};
+      options.folder = words[i];
+    } else if (words[i].starts_with("-")) {
+      return {};
+    } else {
+      options.names.push_back(words[i]);
+    }
+  }
+  return options;
 }
 
 }  // namespace
@@ -29,21 +65,14 @@ int usage() {
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   if (arguments.empty()) return usage();
+  const auto options = read_options({arguments.begin() + 1, arguments.end()});
+  if (!options) return usage();
   try {
-    if (arguments[0] == "rays" && arguments.size() > 1) {
-      for (size_t i = 1; i < arguments.size(); ++i) benchmark_rays(arguments[i]);
-      return 0;
-    }
-    if (arguments[0] == "adaptive") {
-      benchmark_adaptive({arguments.begin() + 1, arguments.end()});
-      return 0;
-    }
-    if (arguments[0] == "interaction") {
-      benchmark_interaction({arguments.begin() + 1, arguments.end()});
-      return 0;
-    }
-    if (arguments[0] == "steps") {
-      benchmark_steps();
+    for (const Benchmark& benchmark : benchmarks) {
+      if (benchmark.name != arguments[0]) continue;
+      if (options->names.empty() ? benchmark.needs_names : !benchmark.takes_names) return usage();
+      if (!options->folder.empty()) std::filesystem::create_directories(options->folder);
+      benchmark.run(*options);
       return 0;
     }
   } catch (const Error& error) {

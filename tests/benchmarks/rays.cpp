@@ -81,7 +81,9 @@ Scene open_named(const std::string& name, Messages& messages, float* ev) {
   return scene;
 }
 
-void benchmark_rays(const std::string& name) {
+namespace {
+
+void benchmark_rays_of(const std::string& name) {
   Messages messages;
   RenderSettings settings;
   settings.backend = Backend::none;
@@ -129,6 +131,12 @@ void benchmark_rays(const std::string& name) {
       "us\n",
       1e6 * best.distribution_seconds / pixels, 1e6 * best.sampling_seconds / pixels,
       1e6 * best.visibility_seconds / pixels, 1e6 * best.resolve_seconds / pixels);
+}
+
+}  // namespace
+
+void benchmark_rays(const BenchmarkOptions& options) {
+  for (const std::string& name : options.names) benchmark_rays_of(name);
 }
 
 }  // namespace halflight

@@ -41,7 +41,7 @@ GBufferTexel bench_texel(const Brdf& brdf) {
 
 }  // namespace
 
-void benchmark_steps() {
+void benchmark_steps(const BenchmarkOptions&) {
   benchmark_tree(65536);
   benchmark_tree(1000000);
 
