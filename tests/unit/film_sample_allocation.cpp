@@ -72,8 +72,8 @@ TEST(SampleAllocation, APixelsOwnSamplesDecideNothingThere) {
                 a_round / 2);
   const SampleAllocation a = learned(film), b = learned(other);
   std::vector<uint16_t> samples_a, samples_b;
-  ASSERT_TRUE(a.next_round(film, 30, 256, samples_a));
-  ASSERT_TRUE(b.next_round(other, 30, 256, samples_b));
+  ASSERT_TRUE(a.next_round(film, 200, 256, samples_a));
+  ASSERT_TRUE(b.next_round(other, 200, 256, samples_b));
   EXPECT_EQ(samples_a[pixel], samples_b[pixel]);
   EXPECT_LT(samples_a[pixel + 1], samples_b[pixel + 1]) << "its neighbours do not hear of it";
 }
