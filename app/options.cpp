@@ -211,8 +211,10 @@ const OptionInfo table[] = {
     {"until-error", "", "X", "", sampling_group, "",
      "stop when the estimated relMSE is X or less; --samples then has no default", bit(Command::render),
      [](Options& o, const std::string& v) { o.until_error = parse_number(v, 1e-12, 1e12); }},
-    {"adaptive", "", "ON|OFF", "on with --until-error, discrete target, no --time", sampling_group, "",
-     "on: pixels get samples by their estimated error, so that the picture's falls soonest; off: all as many",
+    {"adaptive", "", "ON|OFF", "", sampling_group, "",
+     "on: pixels get samples by their estimated error, so that the picture's falls soonest (discrete "
+     "target); off: all as "
+     "many; without it: on with --until-error in the discrete target, where no --time is given",
      bit(Command::render),
      [](Options& o, const std::string& v) { o.adaptive = parse_choice(v, strings(on_off)) == 0; }, false,
      false, choices_of<on_off>},

@@ -57,9 +57,13 @@ void check_memory(const RenderSettings& settings) {
 SamplingGoal goal_of(const Options& options) {
   SamplingGoal goal{options.samples, options.seconds, options.until_error};
   if (!goal.samples && !goal.seconds && !goal.error) goal.samples = default_samples;
-  // Rounds of the continuous target each redraw S: visiting few pixels a round was not measured to pay there.
+  // Pixels of a round of the continuous target share S and the pixel grid: a pixel's neighbours tell of its
+  // own samples, and numbers of samples that follow them bias the mean (docs/performance.md).
   const bool discrete =
       choose_target(find_technique(options.render.technique), options.render.target) == Target::discrete;
+  if (options.adaptive.value_or(false) && !discrete)
+    throw usage_error(
+        "--adaptive on: the continuous target has no adaptive sampling, it would bias the mean");
   goal.adaptive = options.adaptive.value_or(goal.error && !goal.seconds && discrete);
   return goal;
 }

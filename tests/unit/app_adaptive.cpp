@@ -73,20 +73,5 @@ TEST(Adaptive, TheMeanIsTheSum) {
   EXPECT_LT(std::sqrt(found.variance_of_mean.back()), 0.003 * truth.back()) << "too few seeds to tell";
 }
 
-/// Neighbours of a round share its set of virtual lights: here the number of samples and the samples are not
-/// quite independent, and this holds how much it may matter.
-TEST(Adaptive, TheMeanIsThatOfUniformSamplingInTheContinuousTarget) {
-  Messages messages;
-  Session session(load_scene("cornell", {}, messages), settings_of("halflight", Target::continuous),
-                  messages);
-  const Statistics adaptive = over_seeds(session, samples(24, true), 1, 100),
-                   uniform = over_seeds(session, samples(24, false), 1001, 100);
-  for (size_t t = 0; t < adaptive.mean.size(); ++t) {
-    const double error = std::sqrt(adaptive.variance_of_mean[t] + uniform.variance_of_mean[t]);
-    EXPECT_NEAR(adaptive.mean[t], uniform.mean[t], most_z * error) << t;
-    if (t == tiles) EXPECT_LT(error, 0.005 * uniform.mean[t]) << "too few seeds to tell";
-  }
-}
-
 }  // namespace
 }  // namespace halflight
