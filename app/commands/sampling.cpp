@@ -15,7 +15,9 @@ constexpr double longest_whole_round = 1;  ///< seconds; longer rounds go by sub
 constexpr uint32_t most_unmeasured = 64;   ///< samples of a whole round before its cost is known
 constexpr uint32_t exact_samples = 40;     ///< of a single pass that is all there is, unless told
 constexpr double error_margin = 1.1;       ///< on the samples that an error asked for is expected to take
-constexpr double rounds_in_time = 4;       ///< at least, that the time left is shared out among
+/// A round takes at most such a share of the time left: what a sample costs falls as rounds grow, and the
+/// next is measured again.
+constexpr double most_of_time_left = 0.5;
 constexpr double most_for_balance = 32;  ///< samples a round takes on to be worth its frame and distributions
 
 /// Measured seconds of a round: its frame (S and pixel grid redrawn, continuous target only), the
@@ -63,10 +65,10 @@ uint32_t Sampler::next_round() const {
   if (!only_samples && cost_.known())
     wanted = std::max(wanted, static_cast<uint32_t>(std::min(
                                   most_for_balance, (cost_.frame + cost_.distributions) / cost_.sample)));
-  // Where one round uses many samples well, a few rounds are to have them all.
+  // Where one round uses many samples well, rounds are as large as the time allows.
   if (goal_.seconds && cost_.known()) {
     const double most = find_technique(session_.settings().technique).samples_a_round;
-    const double fit = (time_left() / rounds_in_time - cost_.frame - cost_.distributions) / cost_.sample;
+    const double fit = (most_of_time_left * time_left() - cost_.frame - cost_.distributions) / cost_.sample;
     wanted = std::max(wanted, static_cast<uint32_t>(std::clamp(fit, 1.0, most)));
   }
   // Not far beyond the error asked for, which falls as 1/N.
