@@ -165,6 +165,8 @@ Options parse_arguments(const std::vector<std::string>& arguments) {
     if (given.info->name == "config") set_option(options, *given.info, given.value);
   if (!options.config.empty()) apply_config(options, options.config);
   for (const Given& given : words.options) set_option(options, *given.info, given.value);
+  if (!options.technique_given && options.render.target == Target::discrete)
+    options.render.technique = default_discrete_technique;
   if (options.completions.empty()) set_operands(options, words);
   return options;
 }

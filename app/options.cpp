@@ -99,7 +99,10 @@ void set_setting_of(Options& o, const std::string& value) {
   o.render.values.set(key, value);
 }
 
-void set_technique(Options& o, const std::string& value) { o.render.technique = find_technique(value).id; }
+void set_technique(Options& o, const std::string& value) {
+  o.render.technique = find_technique(value).id;
+  o.technique_given = true;
+}
 
 void set_techniques(Options& o, const std::string& value) {
   const std::vector<std::string> valid = technique_ids_or_all();
@@ -191,8 +194,8 @@ const OptionInfo table[] = {
     {"aovs", "", "", "", picture_group, "", "add layers Albedo, N, P and Variance to an .exr",
      bit(Command::render), set_switch<&Options::aovs>},
 
-    {"technique", "", "ID", "bidirectional", sampling_group, "Technique",
-     "how light is sampled; `halflight techniques` lists them", of_one, set_technique, false, false,
+    {"technique", "", "ID", default_technique, sampling_group, "Technique",
+     "how light is sampled; `halflight techniques` lists them; in the discrete target bidirectional", of_one, set_technique, false, false,
      technique_ids},
     {"target", "", "KIND", "the technique's own", sampling_group, "Target",
      "discrete (one fixed set of virtual lights) or continuous (the integral, antialiased)", of_scenes,

@@ -59,6 +59,7 @@ struct Options {
   int threads = 0;                    ///< 0: all cores
 
   // Races.
+  bool technique_given = false;
   std::vector<std::string> techniques{"all"};
   std::vector<double> budgets{0.5, 1, 2, 4, 8};  ///< seconds, samples a pixel or rays a pixel
   Equal equal = Equal::time;

@@ -20,7 +20,7 @@
 namespace halflight {
 
 struct RenderSettings {
-  std::string technique = "bidirectional";
+  std::string technique{default_technique};
   std::optional<Target> target;  ///< the technique's own default
   LightSelection light = LightSelection::all;
   int width = 640, height = 480;
@@ -33,10 +33,10 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// The same with a light set that stands at once: a scene that has just been opened shows a first picture
-/// with it while the one asked for is yet to be made. Fewer points, left where they were drawn, and a smaller
-/// cut.
-RenderSettings opening_settings(RenderSettings);
+/// Of a picture that is there at once and stands in for the one asked for: fewer points, left where they were
+/// drawn, a smaller cut, and a technique or settings that are quick (TechniqueInfo::draft_by, draft_values). The
+/// same settings where a technique has no draft.
+RenderSettings draft_settings(RenderSettings);
 
 /// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session
 /// did first.
@@ -71,8 +71,6 @@ struct LightEdits {
   float environment_rotation = 0, environment_strength = 1;
 };
 
-enum class LightQuality { full, draft };
-
 class Session {
  public:
   /// Takes a loaded scene; completes its lights. Throws Error (exit code 4) when the back end that was asked
@@ -90,10 +88,14 @@ class Session {
   /// Throws Error (exit code 4), and changes nothing, where the technique needs OpenGL and the back end is
   /// `none`.
   void set_settings(const RenderSettings&);  ///< redoes what the difference asks for
-  /// Re-lights the points and re-cuts; geometry stays. As a draft, with fewer rays a point than the settings say: for
-  /// a slider that moves. The same edits without it make up for that.
-  void edit_lights(const LightEdits&, LightQuality = LightQuality::full);
+  void edit_lights(const LightEdits&);  ///< re-lights the points and re-cuts; geometry stays
   LightEdits light_edits() const;  ///< as they are now
+
+  /// On: passes make the draft (`draft_settings`), where there is one; off: the picture. Clears the film; what
+  /// either has made stays with it. `settings` and `plan` are the picture's all along.
+  void set_draft(bool);
+  bool has_draft() const;
+  bool drafting() const;
 
   /// Samples a pixel for each round when `total` are wanted: many rounds where each redraws S and moves the
   /// pixel grid (continuous target), few where a round only adds samples to the same frame, one where a pass

@@ -36,11 +36,11 @@ function(halflight_picture_test name)
   set_tests_properties(picture.${name} PROPERTIES LABELS picture TIMEOUT 300)
 endfunction()
 
-halflight_picture_test(cornell cornell --samples 16)
-halflight_picture_test(cornell-direct cornell --samples 16 --light direct LIT 45)
-halflight_picture_test(cornell-indirect cornell --samples 16 --light indirect)
-halflight_picture_test(cornell-continuous cornell --samples 16 --target continuous)
-halflight_picture_test(bedroom bedroom --samples 16 LIT 80 DISTANCE 0.1)
+halflight_picture_test(cornell cornell --samples 16 --target discrete)
+halflight_picture_test(cornell-direct cornell --samples 16 --target discrete --light direct LIT 45)
+halflight_picture_test(cornell-indirect cornell --samples 16 --target discrete --light indirect)
+halflight_picture_test(cornell-continuous cornell --samples 16 DISTANCE 0.02)
+halflight_picture_test(bedroom bedroom --samples 16 --target discrete LIT 80 DISTANCE 0.1)
 halflight_picture_test(reference cornell --samples 1 --technique reference --virtual-lights 256)
 
 # The same for scenes that are no part of the repository, where they lie beside it: NAME FILE-UNDER-DATA ARGUMENTS...
@@ -51,10 +51,10 @@ function(halflight_shared_picture_test name file)
   endif()
 endfunction()
 
-halflight_shared_picture_test(cornell-bevy gltf/interiors/cornell-bevy/CornellBox.glb --samples 16)
-halflight_shared_picture_test(lamp gltf/khronos/LightsPunctualLamp/LightsPunctualLamp.gltf --samples 16 LIT 8 DISTANCE 0.02)
-halflight_shared_picture_test(alpha gltf/khronos/AlphaBlendModeTest/AlphaBlendModeTest.glb --samples 16)
-halflight_shared_picture_test(helmet gltf/khronos/FlightHelmet/FlightHelmet.gltf --samples 16
+halflight_shared_picture_test(cornell-bevy gltf/interiors/cornell-bevy/CornellBox.glb --samples 16 --target discrete)
+halflight_shared_picture_test(lamp gltf/khronos/LightsPunctualLamp/LightsPunctualLamp.gltf --samples 16 --target discrete LIT 8 DISTANCE 0.02)
+halflight_shared_picture_test(alpha gltf/khronos/AlphaBlendModeTest/AlphaBlendModeTest.glb --samples 16 --target discrete)
+halflight_shared_picture_test(helmet gltf/khronos/FlightHelmet/FlightHelmet.gltf --samples 16 --target discrete
   --environment ${shared_data}/env/latlong-hdr/venice_sunset_1k.hdr)
 
 # The views of views.json, each looked at: at least 60 % of what is shown is well above black.
@@ -69,7 +69,7 @@ foreach(index RANGE ${last_view})
   string(JSON scene GET "${views}" views ${view} scene)
   string(JSON ev GET "${views}" views ${view} ev)
   if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${scene})
-    halflight_picture_test(view-${view} --view ${CMAKE_CURRENT_SOURCE_DIR}/views.json\#${view} --samples 16 LIT 60 EV ${ev} DISTANCE 0.06)
+    halflight_picture_test(view-${view} --view ${CMAKE_CURRENT_SOURCE_DIR}/views.json\#${view} --samples 16 --target discrete LIT 60 EV ${ev} DISTANCE 0.06)
   endif()
 endforeach()
 halflight_unit_test(session_unbiased halflight_session)

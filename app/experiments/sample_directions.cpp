@@ -54,7 +54,8 @@ void run_wa_fig3(const ExperimentRun& run, ExperimentReport& report, Facts& mach
   Messages messages;
   RenderSettings settings = run.options.render;
   settings.width = settings.height = 65;
-  settings.target = Target::discrete, settings.light = LightSelection::direct;
+  settings.technique = default_discrete_technique, settings.target = Target::discrete;
+  settings.light = LightSelection::direct;
   Session session(plane_under(environment_name), settings, messages);
   run.bench.interruption.keep_what_there_is();
   std::vector<std::vector<std::string>> rows;

@@ -35,7 +35,7 @@ RenderSettings settings_for(const ExperimentRun& run, const PaperScene& scene, i
   if (run.options.quick) part = 8;
   settings.width = scene.width / part, settings.height = scene.height / part;
   settings.light = scene.light;
-  settings.target = Target::discrete;
+  settings.technique = default_discrete_technique, settings.target = Target::discrete;
   settings.values.set("cut.least", least_cut);
   return settings;
 }

@@ -233,7 +233,7 @@ Finding check_counted_nans(StressStage& stage, const Contestant& contestant) {
   m.nan_samples = picture.nan_samples, m.mean = mean_of(picture.image);
   const bool finite = std::all_of(picture.image.pixels.begin(), picture.image.pixels.end(),
                                   [](Vec3 p) { return is_finite(p); });
-  if (m.nan_samples == 0 || !picture.first_nan_pixel)
+  if (m.nan_samples == 0 || !picture.first_nan)
     finding.shortfall = "a radiance that is not a number was not counted";
   else if (!finite)
     finding.shortfall = "the picture holds what is no number";

@@ -130,7 +130,7 @@ StressPicture StressRuns::run(uint32_t index) {
     PassRequest request;
     request.pass = index, request.samples = samples, request.stop = stage_.stop();
     technique_->run_pass(frame_, request, film);
-    return {film.image(), film.nan_samples(), film.first_nan_pixel()};
+    return {film.image(), film.nan_samples(), film.first_nan()};
   }
   const uint32_t before = index % block;
   if (before == 0) {
@@ -145,7 +145,7 @@ StressPicture StressRuns::run(uint32_t index) {
 
   // What came since the last run of this seed: the film holds the mean of all.
   const Film& film = session_.film();
-  StressPicture picture{film.image(), film.nan_samples() - sum_nans_, film.first_nan_pixel()};
+  StressPicture picture{film.image(), film.nan_samples() - sum_nans_, film.first_nan()};
   sum_nans_ = film.nan_samples();
   for (size_t i = 0; i < sum_.size(); ++i) {
     const Vec3d sum = Vec3d(picture.image.pixels[i]) * (before + 1.0);

@@ -53,7 +53,7 @@ class StressStage {
 struct StressPicture {
   ImageRgb image;
   uint64_t nan_samples = 0;
-  std::optional<uint32_t> first_nan_pixel;
+  std::optional<NanPlace> first_nan;
 };
 
 /// Independent runs of a contestant in one session.

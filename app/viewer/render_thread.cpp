@@ -13,21 +13,8 @@ constexpr uint32_t pass_stride = 4;
 constexpr std::array<uint32_t, pass_stride * pass_stride> subset_order{0, 10, 2, 8, 5,  7,  13, 1,
                                                                        3, 4,  6, 9, 11, 12, 14, 15};
 constexpr uint32_t first_round_samples = 4, later_round_samples = 16;
-constexpr double lights_rest = 0.15;  ///< seconds without a change after which lights are no draft any more
+constexpr double rest = 0.15;  ///< seconds that a draft is shown without another move before the picture follows
 constexpr uint32_t only_round_samples = 40;  ///< where a pass gives all there is
-
-/// What the first picture after a move does without, so that it is there soon; what comes then has all of it.
-struct DraftSetting {
-  std::string_view technique, key, value;
-};
-constexpr DraftSetting draft_settings[] = {{"bidirectional", "bidirectional.near", "0"},
-                                           {"bidirectional", "bidirectional.brdf-samples", "0"}};
-
-RenderSettings draft_of(RenderSettings settings) {
-  for (const DraftSetting& draft : draft_settings)
-    if (draft.technique == settings.technique) settings.values.set(draft.key, draft.value);
-  return settings;
-}
 
 Vec3 look_at_point(const Session& session) {
   const GBuffer& gbuffer = session.gbuffer();
@@ -192,18 +179,16 @@ void RenderThread::apply(Wishes wishes) {
   if (wishes.settings) {
     session_->set_settings(*wishes.settings);
     settings_ = *wishes.settings;
-    opening_ = false;
   }
-  if (wishes.lights && wishes.lights->emission.size() == session_->scene().materials.size()) {
-    session_->edit_lights(*wishes.lights, LightQuality::draft);
-    lights_are_draft_ = true;
-    since_lights_.lap();
-  }
+  if (wishes.lights && wishes.lights->emission.size() == session_->scene().materials.size())
+    session_->edit_lights(*wishes.lights);
   if (wishes.camera) session_->set_camera(*wishes.camera);
-  // S and the pixel grid of the continuous target would be made anew after a draft.
-  picture_is_draft_ = wishes.moves() && !session_->plan().redraws && draft_of(settings_) != settings_;
-  opening_ &= !picture_is_draft_;
-  if (!opening_) session_->set_settings(picture_is_draft_ ? draft_of(settings_) : settings_);
+  session_->set_draft(!wishes.settings);
+  moving_ = wishes.moves();
+  begin_picture();
+}
+
+void RenderThread::begin_picture() {
   subset_ = rounds_ = 0;
   since_restart_.lap();
 }
@@ -211,10 +196,8 @@ void RenderThread::apply(Wishes wishes) {
 void RenderThread::open_scene(const SceneLoader& loader) {
   Messages messages;
   // Built in full before the old one goes: a bad file leaves the old scene on screen.
-  auto session =
-      std::make_unique<Session>(loader(messages, display_), opening_settings(settings_), messages_);
+  auto session = std::make_unique<Session>(loader(messages, display_), settings_, messages_);
   session_ = std::move(session);
-  opening_ = opening_settings(settings_) != settings_;
   opened_ = describe(*session_, display_);
   ++scene_number_;
   for (const std::string& warning : messages.warnings) report(warning, false);
@@ -228,7 +211,10 @@ void RenderThread::run_one_pass() {
     stop = pass_stop_.get_token();
     if (drops_pass()) return;
   }
-  settle_lights();
+  if (session_->drafting() && draft_is_done()) {
+    session_->set_draft(false);
+    begin_picture();
+  }
   const bool single = find_technique(session_->settings().technique).exact;
   const uint32_t samples = single         ? std::min(only_round_samples, sample_limit_)
                            : rounds_ == 0 ? first_round_samples
@@ -237,24 +223,15 @@ void RenderThread::run_one_pass() {
   if (stop.stop_requested()) return;
   if (++subset_ == pass_stride * pass_stride) subset_ = 0, ++rounds_;
   publish();
-  // The picture that stands in until the first of the settings proper.
-  const bool draft = std::exchange(picture_is_draft_, false), opening = std::exchange(opening_, false);
-  if (!draft && !opening) return;
-  session_->set_settings(settings_);
-  subset_ = rounds_ = 0;
 }
 
-/// A slider that rests: its light is done again with all rays, once the draft has been seen.
-void RenderThread::settle_lights() {
-  if (!lights_are_draft_ || subset_ + rounds_ == 0 || since_lights_.seconds() < lights_rest) return;
-  session_->edit_lights(session_->light_edits());
-  lights_are_draft_ = false;
-  subset_ = rounds_ = 0;
-  since_restart_.lap();
+/// A draft has been seen, and nothing moves any more.
+bool RenderThread::draft_is_done() const {
+  return subset_ + rounds_ > 0 && (!moving_ || since_shown_.seconds() >= rest);
 }
 
 bool RenderThread::converged() const {
-  if (lights_are_draft_) return false;
+  if (session_->drafting()) return false;
   return session_->film().mean_samples() >= sample_limit_ ||
          (rounds_ > 0 && find_technique(session_->settings().technique).exact);
 }
@@ -272,14 +249,14 @@ void RenderThread::publish() {
   snapshot->technique = session_->settings().technique;
   snapshot->target = choose_target(find_technique(snapshot->technique), session_->settings().target);
   snapshot->mean_samples = film.mean_samples();
-  snapshot->estimated_relmse = rounds_ > 0 ? session_->estimated_relmse() : -1;
+  snapshot->estimated_relmse = rounds_ > 0 && !session_->drafting() ? session_->estimated_relmse() : -1;
   snapshot->seconds = since_restart_.seconds();
   snapshot->nan_samples = film.nan_samples();
   snapshot->pivot = look_at_point(*session_);
   snapshot->converged = converged();
   std::lock_guard lock(mutex_);
   latest_ = std::move(snapshot);
-  shown_ = true;
+  if (!std::exchange(shown_, true)) since_shown_.lap();
 }
 
 }  // namespace halflight

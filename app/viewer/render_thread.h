@@ -94,7 +94,8 @@ class RenderThread {
   void apply(Wishes);
   void open_scene(const SceneLoader&);
   void run_one_pass();
-  void settle_lights();
+  void begin_picture();
+  bool draft_is_done() const;
   void publish();
   bool converged() const;
   void report(const std::string& text, bool error);
@@ -117,10 +118,9 @@ class RenderThread {
   std::unique_ptr<Session> session_;
   std::shared_ptr<const SceneSummary> opened_;
   uint64_t scene_number_ = 0;
-  bool opening_ = false;  ///< the session still has `opening_settings`
   uint32_t subset_ = 0, rounds_ = 0;
-  bool lights_are_draft_ = false, picture_is_draft_ = false;
-  Stopwatch since_restart_, since_lights_;
+  bool moving_ = false;  ///< camera or lights, as opposed to a scene or settings that were opened
+  Stopwatch since_restart_, since_shown_;
 
   std::thread thread_;
 };

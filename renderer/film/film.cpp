@@ -14,21 +14,22 @@ Film::Film(int width, int height)
 
 void Film::add(uint32_t pixel, int half, Vec3 mean, uint32_t samples) {
   Pixel& p = pixels_[pixel];
+  const uint64_t place = uint64_t{pixel} << 32 | (p.count[0] + p.count[1]);
   p.count[half] += samples;
   if (is_finite(mean)) {
     p.sum[half] += Vec3d(mean) * static_cast<double>(samples);
     return;
   }
   std::atomic_ref(nan_samples_).fetch_add(samples, std::memory_order_relaxed);
-  std::atomic_ref first(first_nan_pixel_);
-  uint32_t known = first.load();
-  while (pixel < known && !first.compare_exchange_weak(known, pixel)) {
+  std::atomic_ref first(first_nan_);
+  uint64_t known = first.load();
+  while (place < known && !first.compare_exchange_weak(known, place)) {
   }
 }
 
-std::optional<uint32_t> Film::first_nan_pixel() const {
-  if (first_nan_pixel_ == no_pixel) return {};
-  return first_nan_pixel_;
+std::optional<NanPlace> Film::first_nan() const {
+  if (first_nan_ == nowhere) return {};
+  return NanPlace{static_cast<uint32_t>(first_nan_ >> 32), static_cast<uint32_t>(first_nan_)};
 }
 
 void Film::merge(const Film& other) {
@@ -40,13 +41,13 @@ void Film::merge(const Film& other) {
     }
   }
   nan_samples_ += other.nan_samples_;
-  first_nan_pixel_ = std::min(first_nan_pixel_, other.first_nan_pixel_);
+  first_nan_ = std::min(first_nan_, other.first_nan_);
 }
 
 void Film::clear() {
   std::fill(pixels_.begin(), pixels_.end(), Pixel{});
   nan_samples_ = 0;
-  first_nan_pixel_ = no_pixel;
+  first_nan_ = nowhere;
 }
 
 uint32_t Film::samples(uint32_t pixel) const { return pixels_[pixel].count[0] + pixels_[pixel].count[1]; }

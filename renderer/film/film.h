@@ -11,6 +11,13 @@
 
 namespace halflight {
 
+/// Where a radiance came that was no number: a pixel, and which of its samples is the first that may be it
+/// (from 0; a mean of several is added at once).
+struct NanPlace {
+  uint32_t pixel, sample;
+  bool operator==(const NanPlace&) const = default;
+};
+
 /// Sums in double. Each pixel has two halves filled by independent draws; the picture is their weighted mean.
 class Film {
  public:
@@ -46,8 +53,9 @@ class Film {
   /// than half of the pixels have both.
   double estimated_relmse() const;
   uint64_t nan_samples() const { return nan_samples_; }
-  /// The first pixel, row by row, that had a sample which was not finite; nothing where there was none.
-  std::optional<uint32_t> first_nan_pixel() const;
+  /// The first pixel, row by row, that had a sample which was not finite, and its first; nothing where there
+  /// was none.
+  std::optional<NanPlace> first_nan() const;
   Vec3 mean_radiance() const;
 
  private:
@@ -64,9 +72,9 @@ class Film {
 
   int width_ = 0, height_ = 0;
   std::vector<Pixel> pixels_;
-  static constexpr uint32_t no_pixel = 0xffffffffu;
+  static constexpr uint64_t nowhere = ~0ull;
   uint64_t nan_samples_ = 0;
-  uint32_t first_nan_pixel_ = no_pixel;
+  uint64_t first_nan_ = nowhere;  ///< pixel · 2³² + sample
 };
 
 }  // namespace halflight

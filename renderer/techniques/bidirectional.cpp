@@ -29,6 +29,9 @@ constexpr std::array settings{
                 "clusters that reach further than this share of their distance are split; 0: none"},
 };
 
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> draft_values{
+    {{"bidirectional.near", "0"}, {"bidirectional.brdf-samples", "0"}}};
+
 struct Parameters {
   Form form;
   CountedCutParameters counting;
@@ -138,15 +141,17 @@ class Bidirectional final : public Technique {
 }  // namespace
 
 TechniqueInfo bidirectional_technique() {
-  return {"bidirectional",
-          "Cut × BRDF, counted",
-          "Wang & Åkerlund 2009, §3.3",
-          TargetSupport::both,
-          Bias::unbiased,
-          settings,
-          []() -> std::unique_ptr<Technique> { return std::make_unique<Bidirectional>(); },
-          "unbiased for the sum over S; with form = printed a cluster that no ray met is lost",
-          own_stages};
+  TechniqueInfo info{"bidirectional",
+                     "Cut × BRDF, counted",
+                     "Wang & Åkerlund 2009, §3.3",
+                     TargetSupport::both,
+                     Bias::unbiased,
+                     settings,
+                     []() -> std::unique_ptr<Technique> { return std::make_unique<Bidirectional>(); },
+                     "unbiased for the sum over S; with form = printed a cluster that no ray met is lost",
+                     own_stages};
+  info.draft_values = draft_values;
+  return info;
 }
 
 }  // namespace halflight

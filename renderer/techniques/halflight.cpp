@@ -149,6 +149,7 @@ TechniqueInfo halflight_technique() {
   info.samples_a_round = 64;
   info.stages = own_stages;
   info.spares_brdf_rays = true;
+  info.draft_by = "bidirectional";
   return info;
 }
 

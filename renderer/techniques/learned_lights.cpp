@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/random.h"
+#include "core/timeline.h"
 #include "core/vector_bytes.h"
 #include "techniques/light_stage.h"
 #include "trace/ray_gbuffer.h"
@@ -59,6 +60,7 @@ LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, PassSt
       strata_(*frame.scene,
               {frame.kinds.environment, frame.kinds.emitters, frame.kinds.surfaces, frame.kinds.punctual},
               static_cast<uint32_t>(frame.settings->get("lights.count"))) {
+  const TimelineScope scope("pilot sets");
   constexpr uint64_t pilot = 0x70696c6f74ull;
   const uint32_t rays = std::max(1u, pilot_rays / pilot_sets);
   for (uint32_t i = 0; i < pilot_sets; ++i) {
@@ -137,6 +139,7 @@ std::vector<VirtualLight> LearnedLights::draw(const FrameView& frame, uint64_t s
 
 void LearnedLights::draw_set(const FrameView& frame, uint64_t round, uint32_t rays_a_point,
                              PassStats& stats) {
+  const TimelineScope scope("light set");
   const std::vector<VirtualLight> set =
       draw(frame, hash_combine(frame.seed, round + 1), rays_a_point, stats.rays);
   lights_.resize(set.size());

@@ -11,6 +11,7 @@
 #include <span>
 #include <stop_token>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "film/film.h"
@@ -160,6 +161,9 @@ struct TechniqueInfo {
   /// Its light samples know cosines, and BRDF rays are worth their cost only on specular lobes and near
   /// light.
   bool spares_brdf_rays = false;
+  /// What stands in for it where a picture is wanted at once: another technique, or else itself.
+  std::string_view draft_by{};
+  std::span<const std::pair<std::string_view, std::string_view>> draft_values{};  ///< of itself as a draft
 };
 
 /// `TechniqueInfo::stages` of those that read the cut and have no stages of their own.
@@ -168,6 +172,10 @@ StageSet reads_cut(const SettingValues&, Target, const LightKinds&);
 /// Whether S, its tree and the cut are made for the technique in this target. Those with a target of their
 /// own have their own lights.
 bool uses_light_set(const TechniqueInfo&, Target);
+
+/// What runs where no technique is asked for, and where the discrete target is.
+inline constexpr std::string_view default_technique = "halflight",
+                                  default_discrete_technique = "bidirectional";
 
 /// The registry; CLI, window, reports and tests all read this.
 std::span<const TechniqueInfo> techniques();

@@ -82,7 +82,8 @@ OpenSeconds open_seconds(const std::string& path, bool whole_set) {
   settings.backend = Backend::none;
   Scene scene = load_scene(path, {}, messages);
   seconds.load = watch.lap();
-  Session session(std::move(scene), whole_set ? settings : opening_settings(settings), messages);
+  Session session(std::move(scene), settings, messages);
+  session.set_draft(!whole_set);
   seconds.session = watch.lap();
   session.run_pass(4, 4, 0);
   const ImageRgb picture = session.film().preview();

@@ -155,8 +155,8 @@ TEST_F(Program, RenderReportsWhatItDid) {
   EXPECT_EQ(report["spp"], 2.0);
   EXPECT_EQ(report["seed"], 5);
   EXPECT_EQ(report["threads"], 2);
-  EXPECT_EQ(report["technique"], "bidirectional");
-  EXPECT_EQ(report["target"], "discrete");
+  EXPECT_EQ(report["technique"], "halflight");
+  EXPECT_EQ(report["target"], "continuous");
   EXPECT_EQ(report["stopped_by"], "samples");
   EXPECT_EQ(report["partial"], false);
   EXPECT_EQ(report["gl"]["backend"], "none");
@@ -239,7 +239,8 @@ TEST_F(Program, TimeAndErrorEndAPicture) {
 TEST_F(Program, AdaptiveSamplingIsAskedForAndSaid) {
   const auto render = [&](const std::string& output, const Arguments& more) {
     Arguments arguments =
-        small(output, {"--samples", "1000000", "--until-error", "0.02", "--json", "x.json"});
+        small(output, {"--target", "discrete", "--samples", "1000000", "--until-error", "0.02", "--json",
+                       "x.json"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     EXPECT_EQ(run(arguments).code, 0);
     return json::parse(text_of(at("x.json")));
@@ -264,7 +265,7 @@ TEST_F(Program, AdaptiveSamplingIsAskedForAndSaid) {
 }
 
 TEST_F(Program, ATimelineHoldsStagesAndTiles) {
-  ASSERT_EQ(run(small("x.exr", {"--trace", "trace.json"})).code, 0);
+  ASSERT_EQ(run(small("x.exr", {"--target", "discrete", "--trace", "trace.json"})).code, 0);
   struct Span {
     double begin, end;
   };
@@ -353,7 +354,7 @@ TEST_F(Program, InfoShowsSceneAndPlan) {
   const Outcome outcome = run({"info", "cornell"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   for (const char* words :
-       {"Geometry", "triangles", "Materials", "Cameras", "Plan for bidirectional", "runs"})
+       {"Geometry", "triangles", "Materials", "Cameras", "Plan for halflight", "runs"})
     EXPECT_NE(outcome.out.find(words), std::string::npos) << words;
 }
 

@@ -79,12 +79,16 @@ TEST(Film, CountsWhatIsNotFiniteAndShowsItBlack) {
   film.add(0, 0, Vec3(std::numeric_limits<float>::quiet_NaN()), 2);
   film.add(0, 1, {1, infinity, 1}, 1);
   EXPECT_EQ(film.nan_samples(), 3u);
-  EXPECT_EQ(film.first_nan_pixel(), 0u);
+  EXPECT_EQ(film.first_nan(), (NanPlace{0, 0}));
   EXPECT_EQ(film.radiance(0), Vec3(0));
   film.add(0, 0, Vec3(3), 3);
   EXPECT_EQ(film.radiance(0), Vec3(1.5f));
   film.clear();
-  EXPECT_FALSE(film.first_nan_pixel());
+  EXPECT_FALSE(film.first_nan());
+  film.add(0, 0, Vec3(1), 5), film.add(0, 1, Vec3(1), 4);
+  film.add(0, 0, Vec3(infinity), 1);
+  EXPECT_EQ(film.first_nan(), (NanPlace{0, 9}));
+  film.clear();
   EXPECT_EQ(film.nan_samples(), 0u);
   EXPECT_EQ(film.samples(0), 0u);
 }

@@ -66,6 +66,7 @@ class Runs {
 
 RenderSettings settings_of(LightSelection light) {
   RenderSettings settings;
+  settings.technique = default_discrete_technique;
   settings.width = width, settings.height = height, settings.light = light, settings.backend = Backend::none;
   settings.values.set("lights.count", "1000");
   settings.values.set("cut.least", "300");

@@ -48,7 +48,7 @@ press() { xdotool key --clearmodifiers "$1"; sleep 0.4; }
 wait_for 40 "a window" has_window
 focus() { xdotool windowfocus "$window" 2>/dev/null; }
 wait_for 20 "focus" focus
-wait_for 60 "a first picture" title_has "cornell | bidirectional"
+wait_for 60 "a first picture" title_has "cornell | halflight"
 wait_for 60 "convergence to 20 samples a pixel" samples_above 20
 title_has "relMSE" || fail "no error estimate in the title"
 
@@ -60,7 +60,7 @@ press h
 
 # A key that changes the technique starts the picture again with another one.
 press t
-wait_for 20 "another technique" bash -c "xdotool getwindowname $window | grep -qv 'bidirectional'"
+wait_for 20 "another technique" bash -c "xdotool getwindowname $window | grep -qv '| halflight |'"
 wait_for 60 "a picture by it" samples_above 0
 
 # A screenshot is a whole PNG and an EXR.
