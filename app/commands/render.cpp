@@ -133,10 +133,10 @@ int run_render(const Options& options) {
     messages.warn("the picture is black: no light reaches what the camera sees");
   if (const auto first = session.film().first_nan()) {
     const auto width = static_cast<uint32_t>(session.film().width());
-    messages.warn(
-        fmt::format("{} samples were not finite and count as 0; the first in pixel ({}, {}), sample {}, seed {}",
-                    session.film().nan_samples(), first->pixel % width, first->pixel / width, first->sample,
-                    session.settings().seed));
+    messages.warn(fmt::format(
+        "{} samples were not finite and count as 0; the first in pixel ({}, {}), sample {}, seed {}",
+        session.film().nan_samples(), first->pixel % width, first->pixel / width, first->sample,
+        session.settings().seed));
   }
   progress.hide();
   warnings.print_new(messages);
