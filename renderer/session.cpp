@@ -86,7 +86,7 @@ Session::~Session() = default;
 uint32_t Session::round_samples(uint32_t total) const {
   const TechniqueInfo& technique = impl_->picture.info();
   if (technique.exact) return std::max(1u, total);
-  constexpr uint32_t rounds_for_edges = 8, fewest_rounds = 4, most_in_a_round = 256;
+  constexpr uint32_t rounds_for_edges = 8, fewest_rounds = 2, most_in_a_round = 256;
   const uint32_t wanted = impl_->picture.plan.redraws
                               ? std::max((total + rounds_for_edges - 1) / rounds_for_edges,
                                          std::min(total / fewest_rounds, technique.samples_a_round))

@@ -140,7 +140,7 @@ StopReason Sampler::run() {
     if (stop_.stop_requested()) return StopReason::interrupted;
     if (goal_.samples && done_ >= *goal_.samples) return StopReason::samples;
     if (!first && goal_.seconds && time_is_up()) return StopReason::time;
-    const double error = first ? -1 : session_.film().estimated_relmse();
+    const double error = first || !goal_.error ? -1 : session_.film().estimated_relmse();
     if (goal_.error && error >= 0 && error <= *goal_.error) return StopReason::error;
 
     // Until the first subset has told what a sample costs, a timed picture starts with as few as give both

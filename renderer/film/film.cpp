@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -112,46 +114,74 @@ Vec3 Film::variance(uint32_t pixel) const {
   return Vec3(glm::min(p.variance_of_mean(), Vec3d(std::numeric_limits<float>::max())));
 }
 
-/// Mean radiance of the pixels around one, itself left out; of itself where it has no neighbour.
-Vec3d Film::surrounding_mean(int x, int y) const {
-  Vec3d sum(0);
-  int count = 0;
-  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height_ - 1); ++j) {
-    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width_ - 1); ++i) {
-      const Pixel& p = pixels_[static_cast<size_t>(j) * width_ + i];
-      if ((i == x && j == y) || !p.has_both_halves()) continue;
-      sum += p.mean();
-      ++count;
-    }
+/// Of each pixel of a row, the sum of means of it and its neighbours in the row that have both halves, and
+/// how many they are. Rows outside of the picture have none.
+Film::RowSums Film::row_sums(int y) const {
+  RowSums sums{std::vector<Vec3d>(static_cast<size_t>(width_), Vec3d(0)),
+               std::vector<int>(static_cast<size_t>(width_), 0)};
+  if (y < 0 || y >= height_) return sums;
+  const Pixel* row = &pixels_[static_cast<size_t>(y) * width_];
+  for (int x = 0; x < width_; ++x) {
+    if (!row[x].has_both_halves()) continue;
+    const Vec3d mean = row[x].mean();
+    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width_ - 1); ++i)
+      sums.sum[i] += mean, ++sums.count[i];
   }
-  return count > 0 ? sum / static_cast<double>(count) : pixels_[static_cast<size_t>(y) * width_ + x].mean();
+  return sums;
+}
+
+/// Σ of relative variances of a row's pixels, between the sums of the row before and of the next.
+double Film::row_relmse(int y, const RowSums& before, const RowSums& after, double floor2) const {
+  const Pixel* row = &pixels_[static_cast<size_t>(y) * width_];
+  double sum = 0;
+  for (int x = 0; x < width_; ++x) {
+    const Pixel& p = row[x];
+    if (!p.has_both_halves()) continue;
+    Vec3d near = before.sum[x] + after.sum[x];
+    int others = before.count[x] + after.count[x];
+    for (const int i : {x - 1, x + 1})
+      if (i >= 0 && i < width_ && row[i].has_both_halves()) near += row[i].mean(), ++others;
+    // Measured against what is around it or what both halves agree on: a pixel far off in one of them would
+    // make its own error look small, and a bright detail in the dark would make it look large.
+    const Vec3d surrounding = others > 0 ? near / static_cast<double>(others) : p.mean();
+    const Vec3d variance = p.variance_of_mean(), r = glm::max(surrounding, p.lesser_half());
+    const Vec3d scale = r * r + floor2;
+    for (int c = 0; c < 3; ++c)
+      if (scale[c] > 0) sum += variance[c] / scale[c] / 3;
+  }
+  return sum;
 }
 
 double Film::estimated_relmse() const {
-  double picture_mean = 0, sum = 0;
-  size_t pairs = 0;
-  for (const Pixel& p : pixels_) {
-    if (!p.has_both_halves()) continue;
-    const Vec3d mean = p.mean();
-    picture_mean += (mean.x + mean.y + mean.z) / 3;
-    ++pairs;
-  }
+  const auto rows = static_cast<size_t>(height_);
+  std::vector<double> row_mean(rows, 0), row_sum(rows, 0);
+  std::vector<size_t> row_pairs(rows, 0);
+  constexpr size_t rows_at_once = 16;
+  parallel_for(0, rows, rows_at_once, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y)
+      for (size_t x = 0; x < static_cast<size_t>(width_); ++x) {
+        const Pixel& p = pixels_[y * static_cast<size_t>(width_) + x];
+        if (!p.has_both_halves()) continue;
+        const Vec3d mean = p.mean();
+        row_mean[y] += (mean.x + mean.y + mean.z) / 3, ++row_pairs[y];
+      }
+  });
+  const size_t pairs = std::accumulate(row_pairs.begin(), row_pairs.end(), size_t{0});
   // A few pixels that are ahead of the rest say nothing of the picture.
   if (pairs == 0 || 2 * pairs < pixels_.size()) return -1;
-  const double floor2 = std::pow(0.01 * picture_mean / static_cast<double>(pairs), 2);
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
-      const Pixel& p = pixels_[static_cast<size_t>(y) * width_ + x];
-      if (!p.has_both_halves()) continue;
-      // Measured against what is around it or what both halves agree on: a pixel far off in one of them would
-      // make its own error look small, and a bright detail in the dark would make it look large.
-      const Vec3d variance = p.variance_of_mean(), r = glm::max(surrounding_mean(x, y), p.lesser_half());
-      const Vec3d scale = r * r + floor2;
-      for (int c = 0; c < 3; ++c)
-        if (scale[c] > 0) sum += variance[c] / scale[c] / 3;
+  const double picture_mean =
+      std::accumulate(row_mean.begin(), row_mean.end(), 0.0) / static_cast<double>(pairs);
+  const double floor2 = 1e-4 * picture_mean * picture_mean;
+  parallel_for(0, rows, rows_at_once, [&](size_t begin, size_t end) {
+    const int first = static_cast<int>(begin);
+    RowSums before = row_sums(first - 1), own = row_sums(first);
+    for (int y = first; y < static_cast<int>(end); ++y) {
+      RowSums after = row_sums(y + 1);
+      row_sum[static_cast<size_t>(y)] = row_relmse(y, before, after, floor2);
+      before = std::exchange(own, std::move(after));
     }
-  }
-  return sum / static_cast<double>(pairs);
+  });
+  return std::accumulate(row_sum.begin(), row_sum.end(), 0.0) / static_cast<double>(pairs);
 }
 
 Vec3 Film::mean_radiance() const {

@@ -68,7 +68,12 @@ class Film {
     Vec3d variance_of_mean() const;
     Vec3d lesser_half() const;  ///< both halves must have samples
   };
-  Vec3d surrounding_mean(int x, int y) const;
+  struct RowSums {
+    std::vector<Vec3d> sum;
+    std::vector<int> count;
+  };
+  RowSums row_sums(int y) const;
+  double row_relmse(int y, const RowSums& before, const RowSums& after, double floor2) const;
 
   int width_ = 0, height_ = 0;
   std::vector<Pixel> pixels_;

@@ -33,6 +33,8 @@ double error_bound(const LightNode& root, const CutSettings& settings) {
 /// Refines one kind's tree; the cluster that errs most is split first (§3.2).
 void refine(const LightTree& tree, uint32_t root, const CutSettings& settings, std::vector<uint32_t>& cut) {
   const double bound = error_bound(tree.nodes[root], settings);
+  const uint32_t least =
+      std::max(settings.least, tree.nodes[root].kind == LightKind::punctual ? settings.least_punctual : 0u);
   std::priority_queue<Refinement> open;
   size_t size = 0;
   const auto add = [&](uint32_t index) {
@@ -45,7 +47,7 @@ void refine(const LightTree& tree, uint32_t root, const CutSettings& settings, s
       open.push({node.error, node.power, index});
   };
   add(root);
-  while (!open.empty() && size < settings.most && (open.top().error > bound || size < settings.least)) {
+  while (!open.empty() && size < settings.most && (open.top().error > bound || size < least)) {
     const uint32_t index = open.top().node;
     open.pop();
     --size;

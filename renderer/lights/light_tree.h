@@ -56,6 +56,9 @@ struct CutSettings {
       0.05f;  ///< ε: refine while |C| var(l) > ε² |S| l̄² of the kind (= ε² (ΣΦ)²/|S| for equal A_i)
   float sigma = 0;      ///< > 0: the paper's absolute σ instead (eq. 5; the paper uses 5)
   uint32_t least = 64;  ///< nodes for each kind that is lit
+  /// And of punctual lights, where more: alike in strength they have no error that would split them, and yet
+  /// they differ by nearness.
+  uint32_t least_punctual = 0;
   uint32_t most = 1024;
   bool leaves = false;  ///< no refinement: every lit leaf is a cluster
 };

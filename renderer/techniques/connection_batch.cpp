@@ -7,7 +7,7 @@ namespace halflight {
 
 namespace {
 
-constexpr size_t lanes = 16;
+constexpr size_t lanes = 8;
 
 /// The pixel, and directions in its BRDF's frame.
 struct PixelFrame {

@@ -55,7 +55,7 @@ std::vector<Vec3> smoothed_radiances(const LightTree& tree, const std::vector<fl
 
 }  // namespace
 
-LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, PassStats& stats)
+LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, uint32_t clusters, PassStats& stats)
     : sources_(*frame.scene, frame.kinds),
       strata_(*frame.scene,
               {frame.kinds.environment, frame.kinds.emitters, frame.kinds.surfaces, frame.kinds.punctual},
@@ -71,7 +71,10 @@ LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, PassSt
   }
   seen_ = pilot_;
   use_powers();
-  cut_ = illumination_cut(tree_, cut_settings(*frame.settings, !frame.runs(Stage::cut)));
+  CutSettings cut = cut_settings(*frame.settings, !frame.runs(Stage::cut));
+  cut.least = std::max(cut.least, std::min(clusters, cut.most));
+  if (clusters > 0) cut.least_punctual = cut.most;
+  cut_ = illumination_cut(tree_, cut);
   leaf_of_.resize(strata_.size());
   for (uint32_t i = 0; i < tree_.original.size(); ++i) leaf_of_[tree_.original[i]] = i;
   cluster_of_.assign(tree_.lights.size(), none);
