@@ -297,6 +297,7 @@ void Session::Impl::run_pass(PassRequest request, bool ends_round) {
   stats.seconds.gpu += pass.gpu_seconds;
   stats.rays += pass.rays;
   stats.useful_rays += pass.useful_rays;
+  if (pass.light_count > 0) stats.light_count = pass.light_count, stats.cut_size = pass.cut_size;
   count_held(pass);
   ++stats.passes;
   if (ends_round) ++round;

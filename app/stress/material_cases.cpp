@@ -18,7 +18,7 @@ const std::string mean_bound =
 const Vec3 some_diffuse{0.3f, 0.25f, 0.2f}, some_specular{0.5f, 0.5f, 0.4f};
 
 /// Those that do not know the BRDF at the leaves.
-std::vector<Exemption> blind_on_sharp_lobes(std::string_view why) {
+std::vector<Exemption> blind_on_sharp_lobes(const std::string& why) {
   std::vector<Exemption> list;
   for (const char* id :
        {"illumination", "single-point", "sir", "light-bvh", "stochastic-lightcuts", "bidirectional"})
@@ -30,7 +30,7 @@ StressCase phong_case(std::string id, std::string name, float exponent) {
   StressCase c{id, name,
                studio_text + fmt::format("the floor is Phong, n = {:g}, k_d 0.25, k_s 0.5", exponent),
                mean_bound, [=] { return studio(phong(some_diffuse, some_specular, exponent)); }};
-  const std::string_view why = "points of S rarely lie in the lobe, and weigh the more when they do";
+  const std::string why = "points of S rarely lie in the lobe, and weigh the more when they do";
   if (exponent > 1e3f) c.exemptions = blind_on_sharp_lobes(why);
   if (exponent > 1e5f)
     for (const char* blind : {"brdf", "mis"})

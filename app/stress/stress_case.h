@@ -29,7 +29,7 @@ enum class Expected {
 struct Exemption {
   std::string_view technique;
   Expected expected = Expected::tails;
-  std::string_view why{};
+  std::string why{};
   std::optional<Target> target{};  ///< nothing: both
   double low = 0, high = 0;        ///< Expected::bias: bounds of mean / truth
 };

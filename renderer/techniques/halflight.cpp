@@ -79,6 +79,8 @@ class Halflight final : public Technique {
     Stopwatch watch;
     prepare_round(frame, request, parameters, stats);
     stats.lights_seconds = watch.seconds();
+    stats.light_count = static_cast<uint32_t>(lights_->tree().lights.size());
+    stats.cut_size = lights_->cut().size;
 
     tbb::enumerable_thread_specific<HalflightSampler> samplers(
         [&] { return HalflightSampler(frame, request, parameters, *lights_, visibility_); });

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "core/errors.h"
@@ -25,10 +26,10 @@ std::string_view target_name(Target target) { return target == Target::discrete 
 
 std::span<const TechniqueInfo> techniques() {
   static const std::array registry{
-      bidirectional_technique(), single_point_technique(), illumination_technique(),
-      brdf_technique(),          sir_technique(),          mis_technique(),
-      instant_technique(),       light_bvh_technique(),    stochastic_lightcuts_technique(),
-      filtered_technique(),      halflight_technique(),    path_technique(),
+      halflight_technique(),    bidirectional_technique(), single_point_technique(),
+      illumination_technique(), brdf_technique(),          sir_technique(),
+      mis_technique(),          light_bvh_technique(),     stochastic_lightcuts_technique(),
+      instant_technique(),      filtered_technique(),      path_technique(),
       reference_technique()};
   return registry;
 }
@@ -64,7 +65,8 @@ PassStats& PassStats::operator+=(const PassStats& o) {
   lights_seconds += o.lights_seconds;
   distribution_seconds += o.distribution_seconds, sampling_seconds += o.sampling_seconds;
   visibility_seconds += o.visibility_seconds, resolve_seconds += o.resolve_seconds;
-  gpu_seconds += o.gpu_seconds;
+  gbuffer_seconds += o.gbuffer_seconds, gpu_seconds += o.gpu_seconds;
+  light_count = std::max(light_count, o.light_count), cut_size = std::max(cut_size, o.cut_size);
   rays += o.rays;
   stages += o.stages;
   useful_rays += o.useful_rays, pixels += o.pixels;

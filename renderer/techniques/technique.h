@@ -110,6 +110,8 @@ struct PassStats {
   RayCounters rays;
   uint64_t useful_rays = 0;  ///< visibility rays that could carry light (f · L > 0)
   uint64_t pixels = 0;
+  /// Of lights that are the technique's own.
+  uint32_t light_count = 0, cut_size = 0;
   bool finished = true;  ///< false when stopped early
   StageCounters stages;  ///< of stages that are the technique's own
 
