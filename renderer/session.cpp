@@ -114,7 +114,12 @@ void Session::run_pass(uint32_t samples, const PassPart& part, std::stop_token s
 }
 
 void Session::restart() {
-  impl_->film = Film(impl_->picture.settings.width, impl_->picture.settings.height);
+  Film& film = impl_->film;
+  const RenderSettings& settings = impl_->picture.settings;
+  if (film.width() == settings.width && film.height() == settings.height)
+    film.clear();  // new memory would have to be faulted in page by page
+  else
+    film = Film(settings.width, settings.height);
   impl_->round = 0;
   impl_->frame_is_drawn = false;
   const double load = impl_->stats.seconds.load;
@@ -190,7 +195,11 @@ void Session::edit_lights(const LightEdits& edits) {
 
   const bool emission_changed = edits.emission != before.emission;
   if (emission_changed && s.rasterizer) s.rasterizer->update_materials();
-  s.shadows_are_stale = s.gbuffer_is_stale = true;
+  // Lamps are not seen: what the camera sees of light is emission and the environment.
+  s.gbuffer_is_stale |= emission_changed || (s.scene.environment.present() &&
+                                             (edits.environment_rotation != before.environment_rotation ||
+                                              edits.environment_strength != before.environment_strength));
+  s.base_is_stale = s.shadows_are_stale = true;
   const LightKinds kinds = s.picture.plan.set_kinds, draft_kinds = s.draft.plan.set_kinds;
   s.replan();
   // Points on surfaces stay; all other members of S are placed anew with every re-lighting.

@@ -93,8 +93,7 @@ void Session::Impl::replan() {
 }
 
 void Session::Impl::replan(Rendition& of) {
-  const std::string by =
-      gl ? fmt::format("OpenGL {} ({}, {})", gl->version, gl->backend, gl->renderer) : "";
+  const std::string by = gl ? fmt::format("OpenGL {} ({}, {})", gl->version, gl->backend, gl->renderer) : "";
   of.plan = make_plan(scene_needs(scene), {of.info(), of.target(), of.settings.light, of.settings.values, by,
                                            why_backend, of.settings.forced, of.settings.pixel_centres});
 }
@@ -102,7 +101,8 @@ void Session::Impl::replan(Rendition& of) {
 /// A stage that is out holds nothing; when it comes back, it begins anew.
 void Session::Impl::drop_what_is_left_out() {
   if (!now->plan.gbuffer) gbuffer = GBuffer(), base = std::vector<Vec3>(), gbuffer_is_stale = true;
-  if (rasterizer && !now->plan.shadow_maps && !(drafts && draft.plan.shadow_maps)) rasterizer->drop_shadow_maps(), shadows_are_stale = true;
+  if (rasterizer && !now->plan.shadow_maps && !(drafts && draft.plan.shadow_maps))
+    rasterizer->drop_shadow_maps(), shadows_are_stale = true;
   if (rasterizer && !now->plan.runs.has(Stage::gpu_environment)) rasterizer->drop_filtered();
   for (size_t i = 0; i < stage_count; ++i)
     if (const Stage stage = static_cast<Stage>(i); !now->plan.runs.has(stage)) stats.stages[stage] = {};
@@ -135,7 +135,8 @@ void Session::Impl::count_held(const PassStats& pass) {
 std::vector<Vec3> Session::Impl::irradiance(const std::vector<BouncePoint>& points, uint64_t seed) {
   PointLighting lighting;
   lighting.punctual = !now->plan.shadow_maps;
-  lighting.samples = lighting_samples(static_cast<int>(now->settings.values.get("lights.samples")), points.size());
+  lighting.samples =
+      lighting_samples(static_cast<int>(now->settings.values.get("lights.samples")), points.size());
   lighting.seed = seed;
   std::vector<Vec3> result = irradiance_by_rays(*rays, points, lighting, stats.rays);
   if (now->plan.shadow_maps) {
@@ -169,7 +170,8 @@ void Session::Impl::prepare_lights() {
     return irradiance(points, lighting_seed);
   };
   if (now->stale_points || redraw)
-    now->lights.build(scene, now->plan.set_kinds, now->settings.values, now->plan.cut, pass_seed, light_points);
+    now->lights.build(scene, now->plan.set_kinds, now->settings.values, now->plan.cut, pass_seed,
+                      light_points);
   else
     now->lights.relight(scene, now->settings.values, now->plan.cut, light_points);
   for (size_t i = 0; i < stage_count; ++i) {
@@ -194,26 +196,31 @@ void Session::Impl::leave_lights_out() {
 
 void Session::Impl::prepare_gbuffer() {
   const bool again = now->plan.runs.has(Stage::antialiasing) && !frame_is_drawn;
-  if (!now->plan.gbuffer || (!gbuffer_is_stale && !again)) return;
+  const bool draws = gbuffer_is_stale || again;
+  if (!now->plan.gbuffer || (!draws && !base_is_stale)) return;
   const TimelineScope scope("raster");
+  Stopwatch watch;
+  const uint32_t alpha_seed = now->plan.antialiased ? round + 1 : 0;
+  if (draws) draw_gbuffer(alpha_seed);
+  base.assign(gbuffer.pixel_count(), Vec3(0));
+  if (now->plan.show_emission)
+    for (size_t i = 0; i < base.size(); ++i)
+      base[i] = gbuffer.texels[i].emission * gbuffer.texels[i].throughput;
+  if (now->plan.direct_punctual) light_gbuffer(alpha_seed);
+  gbuffer_is_stale = base_is_stale = false;
+  stats.seconds.raster += watch.seconds();
+}
+
+void Session::Impl::draw_gbuffer(uint32_t alpha_seed) {
   Stopwatch watch;
   gbuffer.resize(now->settings.width, now->settings.height);
   const Vec2 jitter = now->plan.antialiased ? pixel_jitter(round, now->settings.seed) : Vec2(0);
-  const uint32_t alpha_seed = now->plan.antialiased ? round + 1 : 0;
   if (gl)
     rasterizer->draw_gbuffer(camera, jitter, alpha_seed, gbuffer);
   else
     trace_gbuffer(*rays, camera, jitter, alpha_seed, gbuffer, stats.rays);
   count_call(Stage::gbuffer, watch.seconds());
   if (now->plan.runs.has(Stage::antialiasing)) count_call(Stage::antialiasing);
-
-  base.assign(gbuffer.pixel_count(), Vec3(0));
-  if (now->plan.show_emission)
-    for (size_t i = 0; i < base.size(); ++i)
-      base[i] = gbuffer.texels[i].emission * gbuffer.texels[i].throughput;
-  if (now->plan.direct_punctual) light_gbuffer(alpha_seed);
-  gbuffer_is_stale = false;
-  stats.seconds.raster += watch.seconds();
 }
 
 void Session::Impl::light_gbuffer(uint32_t alpha_seed) {

@@ -39,6 +39,7 @@ struct Session::Impl {
   void prepare_lights();
   void leave_lights_out();
   void prepare_gbuffer();
+  void draw_gbuffer(uint32_t alpha_seed);
   void light_gbuffer(uint32_t alpha_seed);
   void draw_shadow_maps();
   void drop_what_is_left_out();
@@ -67,6 +68,7 @@ struct Session::Impl {
   bool raster_is_stale = true;  ///< back end
   bool shadows_are_stale = true;
   bool gbuffer_is_stale = true;
+  bool base_is_stale = true;  ///< light found with the G-buffer, outside of S
   uint32_t round = 0;           ///< of this film; each has its own draws
   bool frame_is_drawn = false;  ///< continuous target: S and pixel grid of `drawn_round` are in place
   uint32_t drawn_round = 0;

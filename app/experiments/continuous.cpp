@@ -35,15 +35,14 @@ struct Ingredient {
   std::vector<std::pair<std::string, std::string>> without;
 };
 
-const std::array<Ingredient, 7>& ingredients() {
-  static const std::array<Ingredient, 7> all{{
+const std::array<Ingredient, 6>& ingredients() {
+  static const std::array<Ingredient, 6> all{{
       {"BRDF rays", {{"halflight.brdf-share", "0"}, {"halflight.narrow-share", "0"}}},
       {"more BRDF rays on narrow lobes", {{"halflight.narrow-share", "0"}}},
       {"several positions a round", {{"halflight.position-samples", "4096"}}},
       {"learned powers", {{"halflight.powers", "0"}}},
       {"learned visibility", {{"halflight.visibility", "0"}}},
       {"one distribution for 4×4 like pixels", {{"halflight.share", "0"}}},
-      {"a pilot of 16 rays a stratum", {{"halflight.pilot-rays", "1"}}},
   }};
   return all;
 }

@@ -31,7 +31,7 @@ constexpr std::array settings{
     SettingInfo{"halflight.visibility", 1, 0, 1, "1: draws learn which clusters are hidden; 0: not"},
     SettingInfo{"halflight.powers", 1, 0, 1,
                 "1: strata learn from each round what they send; 0: from the pilot alone"},
-    SettingInfo{"halflight.pilot-rays", 16, 1, 4096,
+    SettingInfo{"halflight.pilot-rays", 4, 1, 4096,
                 "shadow rays that light a stratum in all sets of the pilot together"},
     SettingInfo{"halflight.light-rays", 0, 0, 4096,
                 "shadow rays that light a point of a round's set; 0: as many as cost an eighth of the round"},

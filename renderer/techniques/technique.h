@@ -60,8 +60,8 @@ struct FrameView {
   const Cut* cut = nullptr;
   const SettingValues* settings = nullptr;
   const std::vector<Vec3>* base = nullptr;  ///< per pixel: emission seen + direct light found by other stages
-  /// What `base` holds, for techniques that look through a pixel at positions of their own; its punctual light
-  /// is by rays in the continuous target.
+  /// What `base` holds, for techniques that look through a pixel at positions of their own; its punctual
+  /// light is by rays in the continuous target.
   bool base_has_emission = false, base_has_punctual = false;
   Target target = Target::discrete;
   /// What a technique that follows rays itself must find, each once: D_environment, D_emitter, I (`surfaces`)

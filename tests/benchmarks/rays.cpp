@@ -83,9 +83,10 @@ Scene open_named(const std::string& name, Messages& messages, float* ev) {
 
 namespace {
 
-void benchmark_rays_of(const std::string& name) {
+void benchmark_rays_of(const std::string& name, std::string_view id) {
   Messages messages;
   RenderSettings settings;
+  settings.technique = id;
   settings.backend = Backend::none;
   Session session(open_named(name, messages), settings, messages);
   const FrameView frame = session.frame();
@@ -113,12 +114,14 @@ void benchmark_rays_of(const std::string& name) {
   Film film(settings.width, settings.height);
   technique->run_pass(frame, request, film);
 
-  fmt::print("{}: {} triangles, {} lights, cut of {}, {}x{}, {} samples a pixel, {} threads\n", name,
-             session.scene().triangles.size(), frame.tree->lights.size(), frame.cut->size, settings.width,
-             settings.height, request.samples, thread_count());
+  const bool own = best.light_count > 0;
+  fmt::print("{}, {}: {} triangles, {} lights, cut of {}, {}x{}, {} samples a pixel, {} threads\n", name, id,
+             session.scene().triangles.size(), own ? best.light_count : frame.tree->lights.size(),
+             own ? best.cut_size : frame.cut->size, settings.width, settings.height, request.samples,
+             thread_count());
   const double bare = best_bare_rate(session, *frame.rays, std::move(rays));
-  const double total =
-      best.distribution_seconds + best.sampling_seconds + best.visibility_seconds + best.resolve_seconds;
+  const double total = best.gbuffer_seconds + best.distribution_seconds + best.sampling_seconds +
+                       best.visibility_seconds + best.resolve_seconds;
   const double pixels = static_cast<double>(best.pixels), drawn = static_cast<double>(best.useful_rays);
   fmt::print(
       "  renderer: {:.2f} M useful rays ({:.0f} % of the draws), {:.2f} Mrays/s of sampling + visibility\n",
@@ -127,16 +130,20 @@ void benchmark_rays_of(const std::string& name) {
              drawn / (total / thread_count()) / bare);
   fmt::print("  share of the CPU stage inside visibility: {:.1f} %\n", 100 * best.visibility_seconds / total);
   fmt::print(
-      "  a pixel, one core: distribution {:.2f} us, sampling {:.2f} us, visibility {:.2f} us, resolve {:.2f} "
-      "us\n",
-      1e6 * best.distribution_seconds / pixels, 1e6 * best.sampling_seconds / pixels,
-      1e6 * best.visibility_seconds / pixels, 1e6 * best.resolve_seconds / pixels);
+      "  a pixel, one core: positions {:.2f} us, distribution {:.2f} us, sampling {:.2f} us, visibility "
+      "{:.2f} "
+      "us, resolve {:.2f} us\n",
+      1e6 * best.gbuffer_seconds / pixels, 1e6 * best.distribution_seconds / pixels,
+      1e6 * best.sampling_seconds / pixels, 1e6 * best.visibility_seconds / pixels,
+      1e6 * best.resolve_seconds / pixels);
 }
 
 }  // namespace
 
 void benchmark_rays(const BenchmarkOptions& options) {
-  for (const std::string& name : options.names) benchmark_rays_of(name);
+  for (const std::string& name : options.names)
+    for (const std::string_view id : {default_technique, default_discrete_technique})
+      benchmark_rays_of(name, id);
 }
 
 }  // namespace halflight

@@ -100,5 +100,34 @@ TEST(LightSet, EditedLightsReachTechniquesWithoutIt) {
   }
 }
 
+TEST(LightSet, EditedLampsLeaveWhatTheCameraSees) {
+  Messages messages;
+  Scene scene = load_scene("cornell", {}, messages);
+  PunctualLight lamp;
+  lamp.position = scene.bounds.centre(), lamp.intensity = Vec3(2);
+  scene.lights.push_back(lamp);
+  scene.lights.back().position.x += 0.1f;
+  const RenderSettings settings = small("bidirectional", Target::discrete);
+  Session edited(scene, settings, messages);
+  edited.run_pass(4, 1, 0);
+  const uint64_t drawn = edited.stats().stages[Stage::gbuffer].calls;
+  LightEdits edits = edited.light_edits();
+  edits.lights.back().intensity *= 3.0f;
+  edited.edit_lights(edits);
+  edited.run_pass(4, 1, 0);
+  EXPECT_EQ(edited.stats().stages[Stage::gbuffer].calls, drawn);
+
+  scene.lights.back().intensity *= 3.0f;
+  Session opened(scene, settings, messages);
+  opened.run_pass(4, 1, 0);
+  EXPECT_EQ(edited.film().image().pixels, opened.film().image().pixels);
+
+  // Emission is seen.
+  for (Vec3& emission : edits.emission) emission *= 2.0f;
+  edited.edit_lights(edits);
+  edited.run_pass(4, 1, 0);
+  EXPECT_EQ(edited.stats().stages[Stage::gbuffer].calls, drawn + 1);
+}
+
 }  // namespace
 }  // namespace halflight
