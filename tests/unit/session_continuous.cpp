@@ -63,7 +63,7 @@ class ContinuousTarget : public testing::TestWithParam<SceneCase> {
 
 std::vector<TechniqueCase> techniques_to_compare(bool full) {
   if (!full) return {{"halflight", 8, false, 4}, {"mis", 32}};
-  return {{"halflight", 16, false, 4}, {"mis", 64}, {"brdf", 32}, {"bidirectional", 32, true}};
+  return {{"halflight", 32, false, 4}, {"mis", 64}, {"brdf", 96}, {"bidirectional", 32, true}};
 }
 
 TEST_P(ContinuousTarget, TilesHaveTheMeansOfThePathTracer) {
