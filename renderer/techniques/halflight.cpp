@@ -25,9 +25,8 @@ constexpr std::array settings{
     SettingInfo{
         "halflight.position-samples", 4, 1, 4096,
         "samples that share a position in the pixel; from 8 positions on, twice as many; up to 16 positions"},
-    SettingInfo{"halflight.clusters", 512, 0, 1e6,
-                "clusters at least, for each kind of light, and of punctual lights as many as cut.most; 0: "
-                "cut.least"},
+    SettingInfo{"halflight.punctual-clusters", 1, 0, 1,
+                "1: each punctual light is a cluster of its own, up to cut.most; 0: cut.error decides"},
     SettingInfo{"halflight.visibility", 1, 0, 1, "1: draws learn which clusters are hidden; 0: not"},
     SettingInfo{"halflight.powers", 1, 0, 1,
                 "1: strata learn from each round what they send; 0: from the pilot alone"},
@@ -46,7 +45,7 @@ HalflightParameters parameters_of(const SettingValues& values) {
   parameters.powers = values.get("halflight.powers") > 0;
   parameters.visibility = values.get("halflight.visibility") > 0;
   parameters.position_samples = static_cast<uint32_t>(values.get("halflight.position-samples"));
-  parameters.clusters = static_cast<uint32_t>(values.get("halflight.clusters"));
+  parameters.punctual_clusters = values.get("halflight.punctual-clusters") > 0;
   parameters.pilot_rays = static_cast<uint32_t>(values.get("halflight.pilot-rays"));
   parameters.light_rays = static_cast<uint32_t>(values.get("halflight.light-rays"));
   return parameters;
@@ -109,7 +108,8 @@ void Halflight::prepare_round(const FrameView& frame, const PassRequest& request
                               const HalflightParameters& parameters, PassStats& stats) {
   const bool fresh = !lights_;
   if (fresh) {
-    lights_ = std::make_unique<LearnedLights>(frame, parameters.pilot_rays, parameters.clusters, stats);
+    lights_ =
+        std::make_unique<LearnedLights>(frame, parameters.pilot_rays, parameters.punctual_clusters, stats);
     has_set_ = false;
   }
   const bool begins_again = has_set_ && request.pass == round_ && request.offset == 0 && request.begins_round;

@@ -15,7 +15,8 @@ struct HalflightParameters {
   bool share;               ///< one distribution for all that is alike in a block
   bool powers, visibility;  ///< whether rounds teach what strata send, and what arrives
   uint32_t position_samples;
-  uint32_t clusters, pilot_rays, light_rays;
+  bool punctual_clusters;
+  uint32_t pilot_rays, light_rays;
 };
 
 class HalflightSampler {

@@ -55,7 +55,8 @@ std::vector<Vec3> smoothed_radiances(const LightTree& tree, const std::vector<fl
 
 }  // namespace
 
-LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, uint32_t clusters, PassStats& stats)
+LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, bool punctual_clusters,
+                             PassStats& stats)
     : sources_(*frame.scene, frame.kinds),
       strata_(*frame.scene,
               {frame.kinds.environment, frame.kinds.emitters, frame.kinds.surfaces, frame.kinds.punctual},
@@ -72,8 +73,7 @@ LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, uint32
   seen_ = pilot_;
   use_powers();
   CutSettings cut = cut_settings(*frame.settings, !frame.runs(Stage::cut));
-  cut.least = std::max(cut.least, std::min(clusters, cut.most));
-  if (clusters > 0) cut.least_punctual = cut.most;
+  if (punctual_clusters) cut.least_punctual = cut.most;
   cut_ = illumination_cut(tree_, cut);
   leaf_of_.resize(strata_.size());
   for (uint32_t i = 0; i < tree_.original.size(); ++i) leaf_of_[tree_.original[i]] = i;

@@ -19,10 +19,9 @@ class LearnedLights {
   static constexpr uint32_t none = LightStrata::none;
 
   /// Makes strata, pilot sets, tree and cut for the frame's scene and kinds of light; `pilot_rays` light a
-  /// stratum in all sets of the pilot together. The cut has at least so many `clusters` of each kind, and of
-  /// punctual lights, unless `clusters` is 0, as many as it may have. Rays and stages are counted in the
-  /// pass.
-  LearnedLights(const FrameView&, uint32_t pilot_rays, uint32_t clusters, PassStats&);
+  /// stratum in all sets of the pilot together. With `punctual_clusters` each punctual light is a cluster of
+  /// its own as far as the cut may go. Rays and stages are counted in the pass.
+  LearnedLights(const FrameView&, uint32_t pilot_rays, bool punctual_clusters, PassStats&);
 
   /// Takes what the set in hand has shown into the powers of later rounds; that set is done with.
   void learn();

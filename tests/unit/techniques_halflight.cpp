@@ -135,7 +135,7 @@ TEST_P(OneDensity, BothWaysToAPointShareItInFull) {
   Session session(c.make ? c.make() : load_scene(c.name, {}, messages), halflight_settings(32, 24), messages);
   const FrameView frame = session.frame();
   PassStats stats;
-  LearnedLights lights(frame, 4, 512, stats);
+  LearnedLights lights(frame, 4, true, stats);
   Tally tally;
   for (const uint64_t round : {0u, 5u}) {
     lights.draw_set(frame, round, 1, stats);
