@@ -195,8 +195,8 @@ const OptionInfo table[] = {
      bit(Command::render), set_switch<&Options::aovs>},
 
     {"technique", "", "ID", default_technique, sampling_group, "Technique",
-     "how light is sampled; `halflight techniques` lists them; in the discrete target bidirectional", of_one, set_technique, false, false,
-     technique_ids},
+     "how light is sampled; `halflight techniques` lists them; in the discrete target bidirectional", of_one,
+     set_technique, false, false, technique_ids},
     {"target", "", "KIND", "the technique's own", sampling_group, "Target",
      "discrete (one fixed set of virtual lights) or continuous (the integral, antialiased)", of_scenes,
      [](Options& o, const std::string& v) {

@@ -57,9 +57,9 @@ struct Options {
   std::optional<double> until_error;  ///< estimated relMSE
   std::optional<bool> adaptive;       ///< else only with `until_error`
   int threads = 0;                    ///< 0: all cores
+  bool technique_given = false;       ///< `render.technique` was asked for by name
 
   // Races.
-  bool technique_given = false;
   std::vector<std::string> techniques{"all"};
   std::vector<double> budgets{0.5, 1, 2, 4, 8};  ///< seconds, samples a pixel or rays a pixel
   Equal equal = Equal::time;
