@@ -30,6 +30,13 @@ std::span<const CommandInfo> command_table();
 const CommandInfo& command_info(Command);
 
 /// Everything a user has asked for; the defaults are the program's.
+/// A racer of its own: a technique with settings that differ from the race's.
+struct TechniqueVariant {
+  std::string name;  ///< in tables and file names
+  std::string technique;
+  std::vector<std::pair<std::string, std::string>> settings;
+};
+
 struct Options {
   Command command = Command::view;
   bool command_given = false;  ///< named, rather than the default
@@ -61,6 +68,7 @@ struct Options {
 
   // Races.
   std::vector<std::string> techniques{"all"};
+  std::vector<TechniqueVariant> variants;        ///< race beside them: experiments only
   std::vector<double> budgets{0.5, 1, 2, 4, 8};  ///< seconds, samples a pixel or rays a pixel
   Equal equal = Equal::time;
   uint32_t seeds = 5;

@@ -130,7 +130,7 @@ Race describe(const Arena& arena, const OpenedScene& opened, const ReferencePict
   for (const RaceEntry& entry : arena.setup.entries) {
     const TechniqueInfo& info = *entry.info;
     const bool own = info.target == TargetSupport::own;
-    race.racers.push_back({std::string(info.id),
+    race.racers.push_back({entry.name,
                            std::string(info.title),
                            std::string(info.source),
                            std::string(info.note),
@@ -168,8 +168,10 @@ void run_all(const Arena& arena, const ReferencePicture& reference, std::stop_to
   const Stopwatch watch;
   std::vector<bool> failed(race.racers.size(), false);
   std::vector<RunRequest> requests;
-  for (const RaceEntry& entry : arena.setup.entries)
+  for (const RaceEntry& entry : arena.setup.entries) {
     requests.push_back(request_of(arena, *entry.info, race.seeds.front()));
+    for (const auto& [key, value] : entry.settings) requests.back().settings.values.set(key, value);
+  }
   for (size_t i = 0; i < requests.size() && !stop.stop_requested(); ++i) {
     arena.progress.show(fmt::format("{}, warming up", race.racers[i].id));
     try {

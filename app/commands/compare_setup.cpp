@@ -86,7 +86,7 @@ RaceSetup set_up_race(const Options& options) {
     if (is_reference(*info))
       setup.left_out.push_back({std::string(info->id), "it is what the others are measured against"});
     else if (info->target == TargetSupport::own || supports(*info, setup.target))
-      setup.entries.push_back({info, preview});
+      setup.entries.push_back({std::string(info->id), info, preview});
     else if (setup.named)
       throw usage_error(fmt::format("--techniques: {} does not run in the {} target of this race", info->id,
                                     target_name(setup.target)));
@@ -94,6 +94,10 @@ RaceSetup set_up_race(const Options& options) {
       setup.left_out.push_back(
           {std::string(info->id),
            fmt::format("does not run in the {} target of this race", target_name(setup.target))});
+  }
+  for (const TechniqueVariant& variant : options.variants) {
+    const TechniqueInfo& info = find_technique(variant.technique);
+    setup.entries.push_back({variant.name, &info, why_preview(info), variant.settings});
   }
   return setup;
 }

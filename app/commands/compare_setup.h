@@ -10,8 +10,10 @@
 namespace halflight {
 
 struct RaceEntry {
+  std::string name;  ///< the technique's id, or the variant's own
   const TechniqueInfo* info;
-  std::string why_preview;  ///< empty: it is ranked
+  std::string why_preview;                                      ///< empty: it is ranked
+  std::vector<std::pair<std::string, std::string>> settings{};  ///< other than the race's
 };
 
 struct RaceSetup {
@@ -21,8 +23,8 @@ struct RaceSetup {
   bool named = false;             ///< techniques were asked for by name: one that fails is an error
 };
 
-/// From --techniques and --target. Throws Error (exit code 2): an unknown name, a technique named that cannot
-/// run in the target, budgets that do not increase or do not suit --equal.
+/// From --techniques, the variants beside them, and --target. Throws Error (exit code 2): an unknown name, a
+/// technique named that cannot run in the target, budgets that do not increase or do not suit --equal.
 RaceSetup set_up_race(const Options&);
 
 }  // namespace halflight

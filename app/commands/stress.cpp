@@ -57,12 +57,15 @@ int run_stress(const Options& options) {
   StressReport report;
   report.quick = options.quick, report.machine = machine();
   Stopwatch watch;
-  for (const StressCase* c : cases) {
-    if (interruption.requested()) break;
-    std::vector<StressResult> results = run_stress_case(
-        *c, effort, wanted, interruption.token(), [&](const std::string& what) { progress.show(what); });
-    std::move(results.begin(), results.end(), std::back_inserter(report.results));
-  }
+  // The pictures are too small for all cores to share one: a case has a core of its own.
+  std::vector<std::vector<StressResult>> results(cases.size());
+  side_by_side(cases.size(), [&](size_t i) {
+    if (interruption.requested()) return;
+    results[i] = run_stress_case(*cases[i], effort, wanted, interruption.token(),
+                                 [&](const std::string& what) { progress.show(what); });
+  });
+  for (std::vector<StressResult>& rows : results)
+    std::move(rows.begin(), rows.end(), std::back_inserter(report.results));
   progress.hide();
   report.seconds = watch.seconds(), report.complete = !interruption.requested();
 

@@ -29,20 +29,24 @@ Estimate time_to_goal(const Race& race, const Analysis& analysis, std::string_vi
   return {none, none, none};
 }
 
-/// An ingredient, and the setting that leaves it out.
+/// An ingredient, and halflight without it.
 struct Ingredient {
   const char* name;
-  std::vector<std::pair<std::string, std::string>> without;
+  TechniqueVariant without;
 };
 
 const std::array<Ingredient, 6>& ingredients() {
+  using Settings = std::vector<std::pair<std::string, std::string>>;
+  const auto without = [](const char* what, Settings settings) {
+    return TechniqueVariant{std::string("without-") + what, "halflight", std::move(settings)};
+  };
   static const std::array<Ingredient, 6> all{{
-      {"BRDF rays", {{"halflight.brdf-share", "0"}, {"halflight.narrow-share", "0"}}},
-      {"more BRDF rays on narrow lobes", {{"halflight.narrow-share", "0"}}},
-      {"several positions a round", {{"halflight.position-samples", "4096"}}},
-      {"learned powers", {{"halflight.powers", "0"}}},
-      {"learned visibility", {{"halflight.visibility", "0"}}},
-      {"one distribution for 4×4 like pixels", {{"halflight.share", "0"}}},
+      {"BRDF rays", without("brdf-rays", {{"halflight.brdf-share", "0"}, {"halflight.narrow-share", "0"}})},
+      {"more of them on narrow lobes", without("narrow-share", {{"halflight.narrow-share", "0"}})},
+      {"several positions a round", without("positions", {{"halflight.position-samples", "4096"}})},
+      {"learned powers", without("powers", {{"halflight.powers", "0"}})},
+      {"learned visibility", without("visibility", {{"halflight.visibility", "0"}})},
+      {"one distribution for 4×4 like pixels", without("share", {{"halflight.share", "0"}})},
   }};
   return all;
 }
@@ -96,29 +100,31 @@ void run_continuous(const ExperimentRun& run, ExperimentReport& report, Facts& m
 
 void run_ingredients(const ExperimentRun& run, ExperimentReport& report, Facts& machine) {
   std::vector<std::vector<std::string>> rows;
+  std::vector<double> logs(ingredients().size(), 0.0);
   for (const char* scene : scenes) {
     if (run.stopped()) break;
     RaceOrder order = order_of(run, scene);
     order.techniques = {"halflight"};
     order.budgets = {order.budgets.back() / 2};
-    const std::string folder = scene;
-    const Race whole = run_order(run, order, folder);
-    if (!any_complete(whole)) continue;
-    order.reference = (run.folder / folder / whole.reference.file).string();
+    for (const Ingredient& ingredient : ingredients()) order.variants.push_back(ingredient.without);
+    const Race race = run_order(run, order, scene);
+    if (!any_complete(race)) continue;
     std::vector<std::string> row{scene};
-    for (size_t i = 0; i < ingredients().size() && !run.stopped(); ++i) {
-      order.settings = ingredients()[i].without;
-      const Race without = run_order(run, order, fmt::format("{}-without-{}", scene, i));
-      row.push_back(estimate_text(error_ratio(without, "halflight", whole, "halflight")));
+    for (size_t i = 0; i < ingredients().size(); ++i) {
+      const Estimate ratio = error_ratio(race, ingredients()[i].without.name, "halflight");
+      row.push_back(estimate_text(ratio));
+      logs[i] += std::log(ratio.value);
     }
-    row.resize(1 + ingredients().size());
     rows.push_back(row);
-    machine = whole.machine;
+    machine = race.machine;
   }
-  std::vector<std::string> headings{"scene"};
-  for (const Ingredient& ingredient : ingredients())
-    headings.push_back(fmt::format("without {}", ingredient.name));
-  report.describe("target", "continuous; one reference a scene, by halflight with draws of its own");
+  std::vector<std::string> headings{"scene"}, means{"geometric mean"};
+  for (size_t i = 0; i < ingredients().size(); ++i) {
+    headings.push_back(fmt::format("without {}", ingredients()[i].name));
+    means.push_back(cell(std::exp(logs[i] / static_cast<double>(std::max<size_t>(rows.size(), 1)))));
+  }
+  rows.push_back(means);
+  report.describe("target", "continuous; references by halflight with draws of its own");
   report.describe("seeds", run.options.seeds);
   report.table("ingredients", "relMSE at equal wall time without each ingredient, over that of the whole",
                headings, rows);

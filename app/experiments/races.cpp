@@ -32,11 +32,9 @@ Race run_order(const ExperimentRun& run, const RaceOrder& order, const std::stri
   options.render.light = order.light;
   options.render.width = order.width, options.render.height = order.height;
   options.render.target = order.target;
-  options.reference = order.reference;
   options.no_discretisation = true;
-  options.techniques = order.techniques;
+  options.techniques = order.techniques, options.variants = order.variants;
   options.budgets = order.budgets, options.equal = order.equal;
-  for (const auto& [key, value] : order.settings) options.render.values.set(key, value);
   options.output = (run.folder / name).string();
   return compare_techniques(options, run.bench);
 }
@@ -51,11 +49,7 @@ std::optional<EndOfRace> end_of(const Race& race, const Analysis& analysis, std:
 }
 
 Estimate error_ratio(const Race& race, std::string_view first, std::string_view second) {
-  return error_ratio(race, first, race, second);
-}
-
-Estimate error_ratio(const Race& of, std::string_view first, const Race& over, std::string_view second) {
-  const std::vector<double> a = last_errors(of, first), b = last_errors(over, second);
+  const std::vector<double> a = last_errors(race, first), b = last_errors(race, second);
   const size_t runs = std::min(a.size(), b.size());
   const double none = std::numeric_limits<double>::quiet_NaN();
   if (runs == 0) return {none, none, none};

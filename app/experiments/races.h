@@ -14,9 +14,8 @@ struct RaceOrder {
   std::vector<std::string> techniques;
   std::vector<double> budgets;
   Equal equal = Equal::time;
-  std::vector<std::pair<std::string, std::string>> settings;
+  std::vector<TechniqueVariant> variants{};  ///< beside the techniques, in turn with them
   Target target = Target::discrete;
-  std::string reference{};  ///< a picture's file; made by the race where there is none
 };
 
 /// Runs it into the run's folder / `name`, with the full report of `halflight compare`.
@@ -32,8 +31,6 @@ std::optional<EndOfRace> end_of(const Race&, const Analysis&, std::string_view i
 
 /// relMSE of `first` over that of `second` at the end, with its interval; unknown where there is none.
 Estimate error_ratio(const Race&, std::string_view first, std::string_view second);
-/// The same of racers in two races with one reference.
-Estimate error_ratio(const Race&, std::string_view first, const Race&, std::string_view second);
 
 /// A session's picture of exactly `samples` a pixel from the start, `seed` the samples' own; `stats` as it
 /// ends.

@@ -204,7 +204,8 @@ std::string stress_page(const StressReport& report) {
   Facts facts;
   for (const StressVerdict verdict : verdicts)
     facts.emplace_back(std::string(verdict_name(verdict)), fmt::format("{}", report.count(verdict)));
-  facts.emplace_back("seconds", fmt::format("{:.0f}{}", report.seconds, report.quick ? ", quick" : ""));
+  facts.emplace_back("seconds", fmt::format("{:.0f}{}, a case on a core of its own", report.seconds,
+                                            report.quick ? ", quick" : ""));
   if (!report.complete) body += "<p><strong>Interrupted: this is what was complete.</strong></p>\n";
   body += html_section("verdicts", "Verdicts", html_facts(facts));
   body += html_section("shortfalls", "What falls short", shortfalls_html(report));
