@@ -34,7 +34,7 @@ const CommandInfo& command_info(Command);
 struct TechniqueVariant {
   std::string name;  ///< in tables and file names
   std::string technique;
-  std::vector<std::pair<std::string, std::string>> settings;
+  std::vector<std::pair<std::string, std::string>> settings{};
 };
 
 struct Options {

@@ -35,6 +35,7 @@ Race run_order(const ExperimentRun& run, const RaceOrder& order, const std::stri
   options.no_discretisation = true;
   options.techniques = order.techniques, options.variants = order.variants;
   options.budgets = order.budgets, options.equal = order.equal;
+  for (const auto& [key, value] : order.settings) options.render.values.set(key, value);
   options.output = (run.folder / name).string();
   return compare_techniques(options, run.bench);
 }

@@ -14,8 +14,9 @@ struct RaceOrder {
   std::vector<std::string> techniques;
   std::vector<double> budgets;
   Equal equal = Equal::time;
-  std::vector<TechniqueVariant> variants{};  ///< beside the techniques, in turn with them
+  std::vector<std::pair<std::string, std::string>> settings{};  ///< of all racers
   Target target = Target::discrete;
+  std::vector<TechniqueVariant> variants{};  ///< beside the techniques, in turn with them
 };
 
 /// Runs it into the run's folder / `name`, with the full report of `halflight compare`.
