@@ -111,6 +111,7 @@ EnvironmentCells::EnvironmentCells(const Environment& environment, uint32_t coun
     }
     cells_.push_back({b, Vec3(light / solid_angle), static_cast<float>(solid_angle)});
   }
+  make_entries();
 }
 
 Vec3 EnvironmentCells::draw(const Environment& environment, uint32_t cell, Vec2 u) const {
@@ -130,17 +131,29 @@ Vec3 EnvironmentCells::draw(const Environment& environment, uint32_t cell, Vec2 
   return environment_direction(environment, {across / static_cast<float>(width_), safe_v});
 }
 
-uint32_t EnvironmentCells::cell_of(const Environment& environment, Vec3 direction) const {
-  const Vec2 uv = environment_uv(environment, direction);
-  const int x = std::min(static_cast<int>(uv.x * static_cast<float>(width_)), width_ - 1),
-            y = std::min(static_cast<int>(uv.y * static_cast<float>(height_)), height_ - 1);
-  const Node* node = &nodes_[0];
-  while (node->children >= 0) {
-    const int bit = node->block.level - 1;
-    node = &nodes_[static_cast<size_t>(node->children) +
-                   static_cast<size_t>((x >> bit & 1) + 2 * (y >> bit & 1))];
+/// A few thousand, so that most look-ups read an entry and a node or two.
+void EnvironmentCells::make_entries() {
+  constexpr int most_columns = 64;
+  while (width_ >> entry_level_ > most_columns || height_ >> entry_level_ > most_columns) ++entry_level_;
+  const auto blocks = [&](int size) { return ((size - 1) >> entry_level_) + 1; };
+  entry_columns_ = blocks(width_);
+  entries_.resize(static_cast<size_t>(entry_columns_) * static_cast<size_t>(blocks(height_)));
+  for (size_t i = 0; i < entries_.size(); ++i) {
+    const glm::ivec2 texel(static_cast<int>(i) % entry_columns_ << entry_level_,
+                           static_cast<int>(i) / entry_columns_ << entry_level_);
+    uint32_t node = 0;
+    while (nodes_[node].children >= 0 && nodes_[node].block.level > entry_level_)
+      node = child_at(nodes_[node], texel);
+    entries_[i] = node;
   }
-  return node->cell;
+}
+
+uint32_t EnvironmentCells::cell_of(glm::ivec2 texel) const {
+  uint32_t node =
+      entries_[static_cast<size_t>(texel.y >> entry_level_) * static_cast<size_t>(entry_columns_) +
+               static_cast<size_t>(texel.x >> entry_level_)];
+  while (nodes_[node].children >= 0) node = child_at(nodes_[node], texel);
+  return nodes_[node].cell;
 }
 
 }  // namespace halflight

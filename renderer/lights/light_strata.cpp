@@ -115,8 +115,8 @@ std::vector<VirtualLight> LightStrata::draw(uint64_t seed, const Irradiance& irr
   return lights;
 }
 
-uint32_t LightStrata::environment_stratum(Vec3 wi) const {
-  return environment_.size() == 0 ? none : environment_begin_ + environment_.cell_of(scene_->environment, wi);
+uint32_t LightStrata::environment_stratum(glm::ivec2 texel) const {
+  return environment_.size() == 0 ? none : environment_begin_ + environment_.cell_of(texel);
 }
 
 uint32_t LightStrata::emitter_stratum(SurfacePoint point, bool front) const {

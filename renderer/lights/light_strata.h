@@ -43,7 +43,7 @@ class LightStrata {
   std::vector<VirtualLight> draw(uint64_t seed, const Irradiance&) const;
 
   /// The stratum of what a ray met, `none` where light samples never find it.
-  uint32_t environment_stratum(Vec3 wi) const;
+  uint32_t environment_stratum(glm::ivec2 texel) const;
   uint32_t emitter_stratum(SurfacePoint, bool front) const;
   uint32_t surface_stratum(SurfacePoint, bool front) const;
   /// `measure` of members there.

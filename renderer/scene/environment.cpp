@@ -12,7 +12,8 @@ namespace {
 /// Where a unit direction falls in the unrotated map.
 Vec2 map_uv(Vec3 d) {
   const float u = 0.5f + std::atan2(d.x, -d.z) / (2 * pi);
-  const float v = std::atan2(std::hypot(d.x, d.z), d.y) / pi;  // acos loses half its digits near the poles
+  // acos loses half its digits near the poles.
+  const float v = std::atan2(std::sqrt(d.x * d.x + d.z * d.z), d.y) / pi;
   return {u < 1 ? u : 0.0f, v};
 }
 
@@ -23,6 +24,7 @@ Vec3 map_direction(Vec2 uv) {
 
 /// Turns about +y by `angle`, counter-clockwise seen from above.
 Vec3 turn_about_up(Vec3 d, float angle) {
+  if (angle == 0) return d;
   const float c = std::cos(angle), s = std::sin(angle);
   return {c * d.x + s * d.z, d.y, -s * d.x + c * d.z};
 }
@@ -118,14 +120,16 @@ Vec3 environment_direction(const Environment& environment, Vec2 uv) {
   return turn_about_up(map_direction(uv), environment.rotation);
 }
 
+glm::ivec2 environment_texel(const Environment& environment, Vec3 direction) {
+  const ImageRgb& map = environment.map;
+  const Vec2 uv = environment_uv(environment, direction);
+  return {std::min(static_cast<int>(uv.x * static_cast<float>(map.width)), map.width - 1),
+          std::min(static_cast<int>(uv.y * static_cast<float>(map.height)), map.height - 1)};
+}
+
 Vec3 environment_radiance(const Environment& environment, Vec3 direction) {
   if (!environment.present()) return Vec3(0);
-  const Vec2 uv = environment_uv(environment, direction);
-  const int x =
-      std::min(static_cast<int>(uv.x * static_cast<float>(environment.map.width)), environment.map.width - 1);
-  const int y = std::min(static_cast<int>(uv.y * static_cast<float>(environment.map.height)),
-                         environment.map.height - 1);
-  return environment.map.at(x, y) * environment.strength;
+  return environment_radiance(environment, environment_texel(environment, direction));
 }
 
 float texel_solid_angle(const Environment& environment, int y) {

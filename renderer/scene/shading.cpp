@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "core/simd.h"
+
 namespace halflight {
 
 namespace {
@@ -265,6 +267,16 @@ Vec4 texture_value(const Scene& scene, const TextureUse& use, const Vec2 uv[2]) 
   const Texture& texture = scene.textures[use.texture];
   const Vec3 p(uv[use.uv_set], 1);
   return look_up(scene.images[texture.image], texture, {glm::dot(use.row_u, p), glm::dot(use.row_v, p)});
+}
+
+void prefetch_triangle(const Scene& scene, uint32_t triangle) {
+  prefetch(&scene.triangles[triangle]);
+  prefetch(&scene.triangle_material[triangle]);
+}
+
+void prefetch_corners(const Scene& scene, uint32_t triangle) {
+  const UVec3 corners = scene.triangles[triangle];
+  for (int i = 0; i < 3; ++i) prefetch(&scene.vertices[corners[i]]);
 }
 
 Vec3 surface_position(const Scene& scene, SurfacePoint p) {

@@ -18,6 +18,11 @@ struct SurfacePoint {
 /// they are filtered.
 Vec4 texture_value(const Scene&, const TextureUse&, const Vec2 uv[2]);
 
+/// Ask for what shading a triangle reads, which lies anywhere in memory: its indices and material, then, once
+/// those are there, its corners.
+void prefetch_triangle(const Scene&, uint32_t triangle);
+void prefetch_corners(const Scene&, uint32_t triangle);
+
 /// Position interpolated over the triangle.
 Vec3 surface_position(const Scene&, SurfacePoint);
 

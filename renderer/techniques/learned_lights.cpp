@@ -170,8 +170,8 @@ std::optional<LearnedLights::Met> LearnedLights::met(uint32_t stratum, float mea
   return Met{leaf_of_[stratum], measure};
 }
 
-std::optional<LearnedLights::Met> LearnedLights::met_environment(Vec3 wi) const {
-  const uint32_t stratum = strata_.environment_stratum(wi);
+std::optional<LearnedLights::Met> LearnedLights::met_environment(glm::ivec2 texel) const {
+  const uint32_t stratum = strata_.environment_stratum(texel);
   return stratum == none ? std::nullopt : met(stratum, strata_.environment_measure(stratum));
 }
 

@@ -49,7 +49,7 @@ class LearnedLights {
     uint32_t leaf;
     float measure;
   };
-  std::optional<Met> met_environment(Vec3 wi) const;
+  std::optional<Met> met_environment(glm::ivec2 texel) const;
   std::optional<Met> met_emitter(SurfacePoint, bool front) const;
   std::optional<Met> met_surface(SurfacePoint, bool front) const;
 

@@ -29,11 +29,6 @@ class ShiftedLattice {
   uint32_t x_, y_, z_;
 };
 
-void prefetch_corners(const Scene& scene, uint32_t triangle) {
-  const UVec3 corners = scene.triangles[triangle];
-  for (int i = 0; i < 3; ++i) prefetch(&scene.vertices[corners[i]]);
-}
-
 }  // namespace
 
 DrawAllocation::DrawAllocation(const Shares& shares, uint32_t samples) {
@@ -186,7 +181,7 @@ void TracedWorker::trace_brdf_rays() {
   for (size_t i = 0; i < closest_.size(); ++i) {
     if (!closest_[i].met()) continue;
     brdf_rays_[i].hit = frame_.rays->hit_of(closest_[i]);
-    prefetch(&scene.triangles[brdf_rays_[i].hit.point.triangle]);
+    prefetch_triangle(scene, brdf_rays_[i].hit.point.triangle);
   }
   for (size_t i = 0; i < closest_.size(); ++i)
     if (closest_[i].met()) prefetch_corners(scene, brdf_rays_[i].hit.point.triangle);
@@ -221,8 +216,10 @@ void TracedWorker::add_hit(const BrdfRay& ray) {
 
 MetLight TracedWorker::environment_met(const BrdfRay& ray) const {
   if (!strata_.lights) return met_environment(lights_, ray.wi);
-  return {environment_radiance(frame_.scene->environment, ray.wi),
-          strata_.of(strata_.lights->met_environment(ray.wi))};
+  const Environment& environment = frame_.scene->environment;
+  if (!environment.present()) return {Vec3(0), 0};
+  const glm::ivec2 texel = environment_texel(environment, ray.wi);
+  return {environment_radiance(environment, texel), strata_.of(strata_.lights->met_environment(texel))};
 }
 
 MetLight TracedWorker::emission_met(const BrdfRay& ray) const {
@@ -296,7 +293,7 @@ void TracedWorker::draw_surfaces(uint32_t count, RandomStream& random) {
     const uint32_t end = std::min(count - begin, most_at_once);
     for (uint32_t j = 0; j < end; ++j, lattice.advance()) {
       points[j] = lights_.surfaces.at(lattice.choose_finely(), lattice.place());
-      prefetch(&scene.triangles[points[j].triangle]);
+      prefetch_triangle(scene, points[j].triangle);
     }
     for (uint32_t j = 0; j < end; ++j) prefetch_corners(scene, points[j].triangle);
     for (uint32_t j = 0; j < end; ++j) add_surface_sample(points[j], random);

@@ -67,7 +67,9 @@ std::optional<float> density_met(const FrameView& frame, const StrataDensity& st
   const bool met = frame.rays->intersect({probe.origin_x, probe.origin_y, probe.origin_z}, wi, 0, infinity, 0,
                                          hit, counters);
   if (light.at_infinity())
-    return met ? std::nullopt : std::optional(strata.of(strata.lights->met_environment(wi)));
+    return met ? std::nullopt
+               : std::optional(strata.of(
+                     strata.lights->met_environment(environment_texel(frame.scene->environment, wi))));
   if (!met || std::abs(hit.distance - distance) > 1e-4f * distance) return std::nullopt;
   const auto place = bounce_place(*frame.scene, hit.point, wi);
   // Through a surface that lies in another it may be the other that is met.
