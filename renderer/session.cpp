@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/stopwatch.h"
@@ -115,7 +116,7 @@ void Session::run_pass(uint32_t samples, const PassPart& part, std::stop_token s
 
 void Session::restart() {
   Film& film = impl_->film;
-  const RenderSettings& settings = impl_->picture.settings;
+  const RenderSettings& settings = impl_->now->settings;
   if (film.width() == settings.width && film.height() == settings.height)
     film.clear();  // new memory would have to be faulted in page by page
   else
@@ -142,18 +143,35 @@ void Session::start_over() {
   restart();
 }
 
-void Session::set_draft(bool draft) {
+void Session::set_draft(bool draft, float scale) {
   Impl& s = *impl_;
   Rendition& wanted = draft && has_draft() ? s.draft : s.picture;
-  if (s.now == &wanted) return;
+  const bool resized = &wanted == &s.draft && s.resize_draft(scale);
+  if (s.now == &wanted && !resized) return;
   s.drafts |= draft;
-  s.gbuffer_is_stale |= another_frame(s.now->plan, wanted.plan);
+  s.gbuffer_is_stale |= another_frame(s.now->plan, wanted.plan) || resized ||
+                        s.now->settings.width != wanted.settings.width ||
+                        s.now->settings.height != wanted.settings.height;
   s.now = &wanted;
   s.drop_what_is_left_out();
   restart();
 }
 
-bool Session::has_draft() const { return !(impl_->draft.settings == impl_->picture.settings); }
+/// Whether that changes its size.
+bool Session::Impl::resize_draft(float scale) {
+  RenderSettings settings = draft.settings;
+  const auto scaled = [&](int size) {
+    return std::max(1, static_cast<int>(std::lround(std::min(scale, 1.0f) * static_cast<float>(size))));
+  };
+  settings.width = scaled(picture.settings.width), settings.height = scaled(picture.settings.height);
+  if (settings == draft.settings) return false;
+  draft.take(settings);
+  return true;
+}
+
+bool Session::has_draft() const {
+  return !(draft_settings(impl_->picture.settings) == impl_->picture.settings);
+}
 bool Session::drafting() const { return impl_->now == &impl_->draft; }
 
 void Session::set_camera(const Camera& camera) {
@@ -238,7 +256,7 @@ double Session::estimated_relmse() const {
 const GBuffer& Session::gbuffer() const {
   Impl& s = *impl_;
   if (!s.now->plan.gbuffer && s.gbuffer_is_stale) {
-    s.gbuffer.resize(s.picture.settings.width, s.picture.settings.height);
+    s.gbuffer.resize(s.now->settings.width, s.now->settings.height);
     trace_gbuffer(*s.rays, s.camera, Vec2(0), 0, s.gbuffer, s.stats.rays);
     s.gbuffer_is_stale = false;
   }

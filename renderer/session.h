@@ -34,8 +34,8 @@ struct RenderSettings {
 };
 
 /// Of a picture that is there at once and stands in for the one asked for: fewer points, left where they were
-/// drawn, a smaller cut, and a technique or settings that are quick (TechniqueInfo::draft_by, draft_values). The
-/// same settings where a technique has no draft.
+/// drawn, a smaller cut, and a technique or settings that are quick (TechniqueInfo::draft_by, draft_values).
+/// The same settings where a technique has no draft.
 RenderSettings draft_settings(RenderSettings);
 
 /// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session
@@ -88,12 +88,13 @@ class Session {
   /// Throws Error (exit code 4), and changes nothing, where the technique needs OpenGL and the back end is
   /// `none`.
   void set_settings(const RenderSettings&);  ///< redoes what the difference asks for
-  void edit_lights(const LightEdits&);  ///< re-lights the points and re-cuts; geometry stays
-  LightEdits light_edits() const;  ///< as they are now
+  void edit_lights(const LightEdits&);       ///< re-lights the points and re-cuts; geometry stays
+  LightEdits light_edits() const;            ///< as they are now
 
-  /// On: passes make the draft (`draft_settings`), where there is one; off: the picture. Clears the film; what
-  /// either has made stays with it. `settings` and `plan` are the picture's all along.
-  void set_draft(bool);
+  /// On: passes make the draft (`draft_settings`), where there is one; off: the picture. Clears the film;
+  /// what either has made stays with it. `settings` and `plan` are the picture's all along. A draft is
+  /// `scale` times as wide and high as the picture, and so are film and G-buffer then.
+  void set_draft(bool, float scale = 1);
   bool has_draft() const;
   bool drafting() const;
 

@@ -202,10 +202,11 @@ void Session::Impl::prepare_gbuffer() {
   Stopwatch watch;
   const uint32_t alpha_seed = now->plan.antialiased ? round + 1 : 0;
   if (draws) draw_gbuffer(alpha_seed);
-  base.assign(gbuffer.pixel_count(), Vec3(0));
-  if (now->plan.show_emission)
-    for (size_t i = 0; i < base.size(); ++i)
-      base[i] = gbuffer.texels[i].emission * gbuffer.texels[i].throughput;
+  base.resize(gbuffer.pixel_count());
+  parallel_for(0, base.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      base[i] = now->plan.show_emission ? gbuffer.texels[i].emission * gbuffer.texels[i].throughput : Vec3(0);
+  });
   if (now->plan.direct_punctual) light_gbuffer(alpha_seed);
   gbuffer_is_stale = base_is_stale = false;
   stats.seconds.raster += watch.seconds();

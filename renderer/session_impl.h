@@ -6,8 +6,8 @@
 
 namespace halflight {
 
-/// What is made for one set of settings: its plan, S and technique, and what of them must be made again before
-/// the next pass.
+/// What is made for one set of settings: its plan, S and technique, and what of them must be made again
+/// before the next pass.
 struct Rendition {
   RenderSettings settings;
   Plan plan;
@@ -30,6 +30,7 @@ struct Rendition {
 struct Session::Impl {
   Impl(Scene, const RenderSettings&, Messages&);
 
+  bool resize_draft(float scale);
   void open_backend();
   void make_rasterizer(Backend backend);
   void drop_rasterizer(const std::string& why);
@@ -68,7 +69,7 @@ struct Session::Impl {
   bool raster_is_stale = true;  ///< back end
   bool shadows_are_stale = true;
   bool gbuffer_is_stale = true;
-  bool base_is_stale = true;  ///< light found with the G-buffer, outside of S
+  bool base_is_stale = true;    ///< light found with the G-buffer, outside of S
   uint32_t round = 0;           ///< of this film; each has its own draws
   bool frame_is_drawn = false;  ///< continuous target: S and pixel grid of `drawn_round` are in place
   uint32_t drawn_round = 0;

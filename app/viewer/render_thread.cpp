@@ -1,7 +1,10 @@
 #include "viewer/render_thread.h"
 
 #include <array>
+#include <cmath>
 #include <utility>
+
+#include "film/preview.h"
 
 namespace halflight {
 
@@ -13,7 +16,12 @@ constexpr uint32_t pass_stride = 4;
 constexpr std::array<uint32_t, pass_stride * pass_stride> subset_order{0, 10, 2, 8, 5,  7,  13, 1,
                                                                        3, 4,  6, 9, 11, 12, 14, 15};
 constexpr uint32_t first_round_samples = 4, later_round_samples = 16;
-constexpr double rest = 0.15;  ///< seconds that a draft is shown without another move before the picture follows
+constexpr double rest =
+    0.15;  ///< seconds that a draft is shown without another move before the picture follows
+// A draft is made as large as lets its first picture be there in this time, points and tree aside: more than
+// eight a second while the camera moves on. In steps, so that it does not change with every picture.
+constexpr double draft_seconds = 0.09;
+constexpr float draft_step = 0.125f, least_draft_scale = 0.25f;
 constexpr uint32_t only_round_samples = 40;  ///< where a pass gives all there is
 
 Vec3 look_at_point(const Session& session) {
@@ -46,6 +54,15 @@ std::shared_ptr<const SceneSummary> describe(const Session& session, const Displ
 }
 
 }  // namespace
+
+float next_draft_scale(double seconds, float drawn, float before) {
+  const auto fits = [&](float scale) { return seconds * square(scale / drawn) <= draft_seconds; };
+  float scale = 1;
+  while (scale > least_draft_scale && !fits(scale)) scale -= draft_step;
+  // Back up only where that holds with some room.
+  while (scale > before && !fits(1.1f * scale)) scale -= draft_step;
+  return scale;
+}
 
 RenderThread::RenderThread(SceneLoader loader, const RenderSettings& settings, const DisplaySettings& display,
                            uint32_t sample_limit)
@@ -183,7 +200,9 @@ void RenderThread::apply(Wishes wishes) {
   if (wishes.lights && wishes.lights->emission.size() == session_->scene().materials.size())
     session_->edit_lights(*wishes.lights);
   if (wishes.camera) session_->set_camera(*wishes.camera);
-  session_->set_draft(!wishes.settings);
+  // Lights alone leave the G-buffer, and with it the draft's size.
+  session_->set_draft(!wishes.settings,
+                      wishes.camera || !session_->drafting() ? draft_scale_ : drawn_scale());
   moving_ = wishes.moves();
   begin_picture();
 }
@@ -221,6 +240,7 @@ void RenderThread::run_one_pass() {
                                           : later_round_samples;
   session_->run_pass(samples, pass_stride, subset_order[subset_], stop);
   if (stop.stop_requested()) return;
+  if (session_->drafting() && subset_ + rounds_ == 0) learn_draft_scale();
   if (++subset_ == pass_stride * pass_stride) subset_ = 0, ++rounds_;
   publish();
 }
@@ -228,6 +248,20 @@ void RenderThread::run_one_pass() {
 /// A draft has been seen, and nothing moves any more.
 bool RenderThread::draft_is_done() const {
   return subset_ + rounds_ > 0 && (!moving_ || since_shown_.seconds() >= rest);
+}
+
+/// From what the first picture of a draft cost.
+void RenderThread::learn_draft_scale() {
+  const StageSeconds& seconds = session_->stats().seconds;
+  if (!(seconds.raster > 0)) return;  // it had its G-buffer already
+  const double spent =
+      seconds.raster + seconds.distribution + seconds.sampling + seconds.visibility + seconds.resolve;
+  draft_scale_ = next_draft_scale(spent, drawn_scale(), draft_scale_);
+}
+
+/// Of the film, over the picture's width.
+float RenderThread::drawn_scale() const {
+  return static_cast<float>(session_->film().width()) / static_cast<float>(session_->settings().width);
 }
 
 bool RenderThread::converged() const {
@@ -242,6 +276,10 @@ void RenderThread::publish() {
   snapshot->scene_number = scene_number_;
   snapshot->opened = opened_;
   snapshot->picture = session_->preview();
+  snapshot->drawn_width = snapshot->picture.width, snapshot->drawn_height = snapshot->picture.height;
+  if (const RenderSettings& s = session_->settings();
+      session_->drafting() && snapshot->drawn_width != s.width)
+    snapshot->picture = resized(snapshot->picture, s.width, s.height);
   snapshot->camera = session_->camera();
   snapshot->lights = session_->light_edits();
   snapshot->stats = session_->stats();

@@ -44,11 +44,17 @@ struct Snapshot {
   std::string technique;
   Target target = Target::discrete;
   double mean_samples = 0, estimated_relmse = -1;
-  double seconds = 0;  ///< since the picture was begun again
+  double seconds = 0;                     ///< since the picture was begun again
+  int drawn_width = 0, drawn_height = 0;  ///< of a draft before it was enlarged to the picture's size
   uint64_t nan_samples = 0;
   Vec3 pivot{0};           ///< what the camera looks at
   bool converged = false;  ///< the sample limit is reached, or the technique has no more to give
 };
+
+/// How large drafts are to be, as a share of the picture's width, from `before` on: one took `seconds` that
+/// hang on its size and was `drawn` times as wide as the picture. In steps of an eighth from 1 down to a
+/// quarter, the largest that is there in time.
+float next_draft_scale(double seconds, float drawn, float before);
 
 class RenderThread {
  public:
@@ -96,6 +102,8 @@ class RenderThread {
   void run_one_pass();
   void begin_picture();
   bool draft_is_done() const;
+  void learn_draft_scale();
+  float drawn_scale() const;
   void publish();
   bool converged() const;
   void report(const std::string& text, bool error);
@@ -119,7 +127,8 @@ class RenderThread {
   std::shared_ptr<const SceneSummary> opened_;
   uint64_t scene_number_ = 0;
   uint32_t subset_ = 0, rounds_ = 0;
-  bool moving_ = false;  ///< camera or lights, as opposed to a scene or settings that were opened
+  bool moving_ = false;    ///< camera or lights, as opposed to a scene or settings that were opened
+  float draft_scale_ = 1;  ///< of the next draft that a camera asks for
   Stopwatch since_restart_, since_shown_;
 
   std::thread thread_;

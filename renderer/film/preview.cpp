@@ -147,4 +147,35 @@ ImageRgb preview_picture(const Film& film, const GBuffer& gbuffer, const std::ve
   return image;
 }
 
+ImageRgb resized(const ImageRgb& image, int width, int height) {
+  // The two pixels around a place of the result, and how far the second counts.
+  struct Between {
+    int first, second;
+    float share;
+  };
+  const auto between = [](int i, int from, int to) {
+    const float place =
+        (static_cast<float>(i) + 0.5f) * static_cast<float>(from) / static_cast<float>(to) - 0.5f;
+    const float clamped = std::clamp(place, 0.0f, static_cast<float>(from - 1));
+    const int first = static_cast<int>(clamped);
+    return Between{first, std::min(first + 1, from - 1), clamped - static_cast<float>(first)};
+  };
+  ImageRgb result(width, height);
+  if (image.width <= 0 || image.height <= 0) return result;
+  parallel_for(0, static_cast<size_t>(height), 16, [&](size_t begin, size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      const Between row = between(y, image.height, height);
+      for (int x = 0; x < width; ++x) {
+        const Between column = between(x, image.width, width);
+        const Vec3 above =
+            glm::mix(image.at(column.first, row.first), image.at(column.second, row.first), column.share);
+        const Vec3 below =
+            glm::mix(image.at(column.first, row.second), image.at(column.second, row.second), column.share);
+        result.at(x, y) = glm::mix(above, below, row.share);
+      }
+    }
+  });
+  return result;
+}
+
 }  // namespace halflight

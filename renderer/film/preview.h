@@ -16,4 +16,7 @@ namespace halflight {
 /// G-buffer of the film's size, or a base: `Film::preview`.
 ImageRgb preview_picture(const Film&, const GBuffer&, const std::vector<Vec3>& base);
 
+/// Bilinear, pixel centres kept in place; the edge goes on beyond it.
+ImageRgb resized(const ImageRgb&, int width, int height);
+
 }  // namespace halflight

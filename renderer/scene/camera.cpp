@@ -32,13 +32,22 @@ void orthonormalise(Camera& camera) {
 
 }  // namespace
 
+CameraRays::CameraRays(const Camera& camera, int width, int height)
+    : camera_(camera),
+      size_(width, height),
+      half_height_(half_height_seen(camera)),
+      aspect_(aspect_ratio(width, height)) {}
+
+CameraRay CameraRays::through(Vec2 pixel) const {
+  const float x = (2 * pixel.x / size_.x - 1) * half_height_ * aspect_;
+  const float y = (1 - 2 * pixel.y / size_.y) * half_height_;
+  const Vec3 offset = x * camera_.right + y * camera_.up;
+  if (camera_.projection == Projection::orthographic) return {camera_.position + offset, -camera_.back};
+  return {camera_.position, glm::normalize(offset - camera_.back)};
+}
+
 CameraRay camera_ray(const Camera& camera, Vec2 pixel, int width, int height) {
-  const float half_height = half_height_seen(camera);
-  const float x = (2 * pixel.x / static_cast<float>(width) - 1) * half_height * aspect_ratio(width, height);
-  const float y = (1 - 2 * pixel.y / static_cast<float>(height)) * half_height;
-  const Vec3 offset = x * camera.right + y * camera.up;
-  if (camera.projection == Projection::orthographic) return {camera.position + offset, -camera.back};
-  return {camera.position, glm::normalize(offset - camera.back)};
+  return CameraRays(camera, width, height).through(pixel);
 }
 
 Mat4 view_matrix(const Camera& camera) {

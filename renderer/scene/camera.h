@@ -9,8 +9,22 @@ struct CameraRay {
   Vec3 origin, direction;  ///< direction is unit
 };
 
-/// Ray through `pixel` (x right, y down, in pixels; the centre of pixel (i, j) is (i + ½, j + ½)).
-/// Orthographic rays start in the camera's plane.
+/// Rays of a picture's pixels; what they share is found once. Refers to the camera.
+class CameraRays {
+ public:
+  CameraRays(const Camera&, int width, int height);
+
+  /// Ray through `pixel` (x right, y down, in pixels; the centre of pixel (i, j) is (i + ½, j + ½)).
+  /// Orthographic rays start in the camera's plane.
+  CameraRay through(Vec2 pixel) const;
+
+ private:
+  const Camera& camera_;
+  Vec2 size_;
+  float half_height_, aspect_;
+};
+
+/// One of them.
 CameraRay camera_ray(const Camera&, Vec2 pixel, int width, int height);
 
 /// World to camera space: x right, y up, looking along −z.

@@ -23,13 +23,12 @@ void PixelPositions::look(std::span<const uint32_t> pixels, RayCounters& counter
   const uint32_t more = positions_ - 1;
   if (more == 0) return;
   const auto width = static_cast<uint32_t>(frame_.gbuffer->width);
-  const int height = frame_.gbuffer->height;
+  const CameraRays camera_rays(*frame_.camera, frame_.gbuffer->width, frame_.gbuffer->height);
   rays_.clear();
   for (const uint32_t pixel : pixels)
     for (uint32_t position = 1; position < positions_; ++position)
       rays_.push_back(
-          closest_ray(camera_ray(*frame_.camera, Vec2(pixel % width, pixel / width) + place(pixel, position),
-                                 frame_.gbuffer->width, height)));
+          closest_ray(camera_rays.through(Vec2(pixel % width, pixel / width) + place(pixel, position))));
   texels_.resize(rays_.size());
   trace_texels(*frame_.rays, rays_, frame_.alpha_seed, texels_, counters);
   base_.assign(texels_.size(), Vec3(0));

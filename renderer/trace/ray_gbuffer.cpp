@@ -17,6 +17,10 @@ void trace_texels(const RayScene& rays, std::span<ClosestRay> batch, uint32_t al
                   std::span<GBufferTexel> texels, RayCounters& counters) {
   const Scene& scene = rays.scene();
   rays.intersect(batch, true, alpha_seed, counters);
+  for (const ClosestRay& ray : batch)
+    if (ray.met()) prefetch_triangle(scene, rays.hit_of(ray).point.triangle);
+  for (const ClosestRay& ray : batch)
+    if (ray.met()) prefetch_corners(scene, rays.hit_of(ray).point.triangle);
   for (size_t i = 0; i < batch.size(); ++i) {
     const Vec3 direction(batch[i].ray.direction_x, batch[i].ray.direction_y, batch[i].ray.direction_z);
     if (batch[i].met()) {
@@ -33,6 +37,7 @@ void trace_gbuffer(const RayScene& rays, const Camera& camera, Vec2 jitter, uint
                    GBuffer& gbuffer, RayCounters& counters) {
   // Rows of blocks: rays of a few neighbouring pixels are traced together.
   constexpr int side = 8;
+  const CameraRays camera_rays(camera, gbuffer.width, gbuffer.height);
   const auto columns = static_cast<size_t>((gbuffer.width + side - 1) / side),
              rows = static_cast<size_t>((gbuffer.height + side - 1) / side);
   counters += counted_parallel_for(columns * rows, 16, [&](size_t begin, size_t end, RayCounters& local) {
@@ -45,8 +50,7 @@ void trace_gbuffer(const RayScene& rays, const Camera& camera, Vec2 jitter, uint
       size_t count = 0;
       for (int y = top; y < bottom; ++y)
         for (int x = left; x < right; ++x)
-          batch[count++] = closest_ray(
-              camera_ray(camera, Vec2(x + 0.5f, y + 0.5f) + jitter, gbuffer.width, gbuffer.height));
+          batch[count++] = closest_ray(camera_rays.through(Vec2(x + 0.5f, y + 0.5f) + jitter));
       trace_texels(rays, std::span(batch).first(count), alpha_seed, std::span(texels).first(count), local);
       count = 0;
       for (int y = top; y < bottom; ++y)

@@ -115,9 +115,11 @@ void benchmark_scene(const std::string& scene) {
     std::this_thread::sleep_for(Milliseconds(300));
   }
   fmt::print("  camera, to its first picture: {}\n", latencies.text());
+  fmt::print("    the last drawn with {}x{}\n", shown->drawn_width, shown->drawn_height);
   const StageSeconds& stages = shown->stats.seconds;
   fmt::print(
-      "    of the last: G-buffer {:.0f} ms, points, tree and cut {:.0f}, distribution {:.0f}, sampling {:.0f}, "
+      "    of the last: G-buffer {:.0f} ms, points, tree and cut {:.0f}, distribution {:.0f}, sampling "
+      "{:.0f}, "
       "visibility {:.0f}\n",
       1e3 * stages.raster, 1e3 * stages.lights, 1e3 * stages.distribution, 1e3 * stages.sampling,
       1e3 * stages.visibility);

@@ -41,6 +41,21 @@ std::optional<RenderThread::Notice> wait_for_error(RenderThread& thread) {
   return {};
 }
 
+TEST(DraftScale, FollowsWhatDraftsCost) {
+  EXPECT_EQ(next_draft_scale(0.01, 1, 1), 1);
+  EXPECT_EQ(next_draft_scale(1e3, 1, 1), 0.25f) << "there is a smallest";
+  // Cost goes with the pixels: whatever a draft of the full size takes, the next is there in time.
+  for (double full = 0.05; full < 1; full *= 1.3) {
+    const float scale = next_draft_scale(full, 1, 1);
+    EXPECT_LE(full * scale * scale, 0.09) << full;
+    EXPECT_EQ(next_draft_scale(full * scale * scale, scale, scale), scale)
+        << "and the one after it as large: " << full;
+  }
+  // Two frames about as slow do not change it to and fro.
+  EXPECT_EQ(next_draft_scale(0.089, 1, 0.875f), 0.875f);
+  EXPECT_EQ(next_draft_scale(0.05, 1, 0.875f), 1);
+}
+
 TEST(RenderThread, ConvergesToTheLimitAndRests) {
   RenderThread thread(built_in("cornell"), small_picture(), {}, 40);
   const auto done = wait_for(thread, [](const Snapshot& s) { return s.converged; });

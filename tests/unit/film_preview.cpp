@@ -67,5 +67,21 @@ TEST(Preview, DoesWithoutAGBuffer) {
   EXPECT_EQ(picture.pixels[width + 1], film.radiance(0));
 }
 
+TEST(Resized, KeepsPlacesAndMeans) {
+  ImageRgb ramp(8, 6);
+  for (int y = 0; y < 6; ++y)
+    for (int x = 0; x < 8; ++x) ramp.at(x, y) = Vec3(x, y, 2);
+  EXPECT_EQ(resized(ramp, 8, 6).pixels, ramp.pixels);
+  const ImageRgb large = resized(ramp, 24, 12);
+  for (int y = 2; y < 10; ++y)
+    for (int x = 3; x < 21; ++x) {
+      EXPECT_NEAR(large.at(x, y).x, (x + 0.5) / 3 - 0.5, 1e-5);
+      EXPECT_NEAR(large.at(x, y).y, (y + 0.5) / 2 - 0.5, 1e-5);
+      EXPECT_EQ(large.at(x, y).z, 2);
+    }
+  EXPECT_EQ(large.at(0, 0), Vec3(0, 0, 2)) << "the edge goes on";
+  EXPECT_EQ(large.at(23, 11), Vec3(7, 5, 2));
+}
+
 }  // namespace
 }  // namespace halflight

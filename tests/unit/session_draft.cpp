@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "film/metrics.h"
+#include "film/preview.h"
 #include "session.h"
 
 namespace halflight {
@@ -53,6 +54,25 @@ TEST(Draft, LeavesWhatThePictureHasMade) {
   picture_of(other);
   EXPECT_EQ(measure_error(session.film().image(), other.film().image()).rmse, 0);
   EXPECT_EQ(session.stats().stages[Stage::pilot_set].calls, 0u) << "counted since the stage came back";
+}
+
+TEST(Draft, MayBeSmallerThanThePicture) {
+  Messages messages;
+  Session session(load_scene("cornell", {}, messages), small("halflight"), messages);
+  session.set_draft(true, 0.5f);
+  const ImageRgb draft = picture_of(session);
+  EXPECT_EQ(draft.width, 16);
+  EXPECT_EQ(draft.height, 12);
+  EXPECT_EQ(session.gbuffer().width, 16);
+  session.set_draft(true, 0.25f);
+  EXPECT_EQ(picture_of(session).width, 8) << "another size without a picture between them";
+  session.set_draft(false);
+  const ImageRgb picture = picture_of(session);
+  ASSERT_EQ(picture.width, 32);
+  EXPECT_LT(measure_error(resized(draft, 32, 24), picture).flip, 0.3);
+  // Nothing of the drafts is left in the picture.
+  Session other(load_scene("cornell", {}, messages), small("halflight"), messages);
+  EXPECT_EQ(measure_error(picture, picture_of(other)).rmse, 0);
 }
 
 TEST(Draft, LightsAndCameraReachBoth) {
