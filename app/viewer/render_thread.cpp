@@ -15,7 +15,7 @@ constexpr uint32_t pass_stride = 4;
 // The subsets' order: after 1, 4 and 16 of them every 4th, every 2nd and every pixel in x and y has samples.
 constexpr std::array<uint32_t, pass_stride * pass_stride> subset_order{0, 10, 2, 8, 5,  7,  13, 1,
                                                                        3, 4,  6, 9, 11, 12, 14, 15};
-constexpr uint32_t first_round_samples = 4, later_round_samples = 16;
+constexpr uint32_t first_round_samples = 4, most_round_samples = 16;
 constexpr double rest =
     0.15;  ///< seconds that a draft is shown without another move before the picture follows
 // A draft is made as large as lets its first picture be there in this time, points and tree aside: more than
@@ -234,15 +234,22 @@ void RenderThread::run_one_pass() {
     session_->set_draft(false);
     begin_picture();
   }
-  const bool single = find_technique(session_->settings().technique).exact;
-  const uint32_t samples = single         ? std::min(only_round_samples, sample_limit_)
-                           : rounds_ == 0 ? first_round_samples
-                                          : later_round_samples;
-  session_->run_pass(samples, pass_stride, subset_order[subset_], stop);
+  if (subset_ == 0) round_samples_ = next_round_samples();
+  session_->run_pass(round_samples_, pass_stride, subset_order[subset_], stop);
   if (stop.stop_requested()) return;
   if (session_->drafting() && subset_ + rounds_ == 0) learn_draft_scale();
   if (++subset_ == pass_stride * pass_stride) subset_ = 0, ++rounds_;
   publish();
+}
+
+/// No more than there are already: while a round is under way its pixels have twice as many as the others at
+/// most. The last gives what is left to the limit.
+uint32_t RenderThread::next_round_samples() const {
+  if (find_technique(session_->settings().technique).exact)
+    return std::min(only_round_samples, sample_limit_);
+  const auto given = static_cast<uint32_t>(std::lround(session_->film().mean_samples()));
+  const uint32_t wanted = std::clamp(given, first_round_samples, most_round_samples);
+  return std::clamp(sample_limit_ - std::min(given, sample_limit_), 1u, wanted);
 }
 
 /// A draft has been seen, and nothing moves any more.
@@ -265,7 +272,8 @@ float RenderThread::drawn_scale() const {
 }
 
 bool RenderThread::converged() const {
-  if (session_->drafting()) return false;
+  // In the middle of a round some pixels have its samples and others do not.
+  if (session_->drafting() || subset_ != 0) return false;
   return session_->film().mean_samples() >= sample_limit_ ||
          (rounds_ > 0 && find_technique(session_->settings().technique).exact);
 }
