@@ -19,6 +19,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// Whether there is anyone to see it: what only it would say need not be found out.
+  bool visible() const { return painter_.joinable(); }
   void show(std::string text);
   /// Removes the line, for a message or the end.
   void hide();

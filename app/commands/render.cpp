@@ -123,8 +123,9 @@ int run_render(const Options& options) {
   interruption.keep_what_there_is();
   progress.show("first samples");
   RenderRecord record{&options, &session, &messages.warnings};
-  record.stopped_by = sample_until(session, goal, clock, interruption.token(),
-                                   [&] { progress.show(progress_text(session, goal)); });
+  record.stopped_by = sample_until(session, goal, clock, interruption.token(), [&] {
+    if (progress.visible()) progress.show(progress_text(session, goal));
+  });
   record.adaptive = samples_adaptively(session, goal);
   record.load_seconds = opened.seconds;
   record.total_seconds = since_start.seconds();
