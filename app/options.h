@@ -29,7 +29,6 @@ struct CommandInfo {
 std::span<const CommandInfo> command_table();
 const CommandInfo& command_info(Command);
 
-/// Everything a user has asked for; the defaults are the program's.
 /// A racer of its own: a technique with settings that differ from the race's.
 struct TechniqueVariant {
   std::string name;  ///< in tables and file names
@@ -37,6 +36,7 @@ struct TechniqueVariant {
   std::vector<std::pair<std::string, std::string>> settings{};
 };
 
+/// Everything a user has asked for; the defaults are the program's.
 struct Options {
   Command command = Command::view;
   bool command_given = false;  ///< named, rather than the default

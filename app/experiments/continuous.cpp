@@ -121,9 +121,9 @@ void run_ingredients(const ExperimentRun& run, ExperimentReport& report, Facts& 
   std::vector<std::string> headings{"scene"}, means{"geometric mean"};
   for (size_t i = 0; i < ingredients().size(); ++i) {
     headings.push_back(fmt::format("without {}", ingredients()[i].name));
-    means.push_back(cell(std::exp(logs[i] / static_cast<double>(std::max<size_t>(rows.size(), 1)))));
+    means.push_back(cell(std::exp(logs[i] / static_cast<double>(rows.size()))));
   }
-  rows.push_back(means);
+  if (!rows.empty()) rows.push_back(means);
   report.describe("target", "continuous; references by halflight with draws of its own");
   report.describe("seeds", run.options.seeds);
   report.table("ingredients", "relMSE at equal wall time without each ingredient, over that of the whole",

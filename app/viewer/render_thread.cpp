@@ -16,8 +16,8 @@ constexpr uint32_t pass_stride = 4;
 constexpr std::array<uint32_t, pass_stride * pass_stride> subset_order{0, 10, 2, 8, 5,  7,  13, 1,
                                                                        3, 4,  6, 9, 11, 12, 14, 15};
 constexpr uint32_t first_round_samples = 4, most_round_samples = 16;
-constexpr double rest =
-    0.15;  ///< seconds that a draft is shown without another move before the picture follows
+// Seconds that a draft is shown without another move before the picture follows.
+constexpr double rest = 0.15;
 // A draft is made as large as lets its first picture be there in this time, points and tree aside: more than
 // eight a second while the camera moves on. In steps, so that it does not change with every picture.
 constexpr double draft_seconds = 0.09;
@@ -285,9 +285,9 @@ void RenderThread::publish() {
   snapshot->opened = opened_;
   snapshot->picture = session_->preview();
   snapshot->drawn_width = snapshot->picture.width, snapshot->drawn_height = snapshot->picture.height;
-  if (const RenderSettings& s = session_->settings();
-      session_->drafting() && snapshot->drawn_width != s.width)
-    snapshot->picture = resized(snapshot->picture, s.width, s.height);
+  const int width = session_->settings().width, height = session_->settings().height;
+  if (snapshot->drawn_width != width || snapshot->drawn_height != height)
+    snapshot->picture = resized(snapshot->picture, width, height);
   snapshot->camera = session_->camera();
   snapshot->lights = session_->light_edits();
   snapshot->stats = session_->stats();

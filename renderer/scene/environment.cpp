@@ -120,11 +120,14 @@ Vec3 environment_direction(const Environment& environment, Vec2 uv) {
   return turn_about_up(map_direction(uv), environment.rotation);
 }
 
-glm::ivec2 environment_texel(const Environment& environment, Vec3 direction) {
+glm::ivec2 environment_texel(const Environment& environment, Vec2 uv) {
   const ImageRgb& map = environment.map;
-  const Vec2 uv = environment_uv(environment, direction);
   return {std::min(static_cast<int>(uv.x * static_cast<float>(map.width)), map.width - 1),
           std::min(static_cast<int>(uv.y * static_cast<float>(map.height)), map.height - 1)};
+}
+
+glm::ivec2 environment_texel(const Environment& environment, Vec3 direction) {
+  return environment_texel(environment, environment_uv(environment, direction));
 }
 
 Vec3 environment_radiance(const Environment& environment, Vec3 direction) {

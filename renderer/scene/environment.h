@@ -26,7 +26,9 @@ Vec2 environment_uv(const Environment&, Vec3 direction);
 /// Unit direction of a point of the unit square; the inverse of `environment_uv`.
 Vec3 environment_direction(const Environment&, Vec2 uv);
 
-/// Column and row of the texel that a unit direction falls in, rotation included. There must be a map.
+/// Column and row of the texel at a point of the unit square, and of the one that a unit direction falls in,
+/// rotation included. There must be a map.
+glm::ivec2 environment_texel(const Environment&, Vec2 uv);
 glm::ivec2 environment_texel(const Environment&, Vec3 direction);
 
 /// Radiance arriving from `direction`, strength included; 0 when there is no map.

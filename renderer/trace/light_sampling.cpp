@@ -73,10 +73,8 @@ float EnvironmentSampler::pdf(Vec3 wi) const { return met(wi).pdf; }
 EnvironmentSampler::Met EnvironmentSampler::met(Vec3 wi) const {
   if (empty()) return {Vec3(0), 0};
   const Vec2 uv = environment_uv(environment_, wi);
-  const ImageRgb& map = environment_.map;
-  const int x = std::min(static_cast<int>(uv.x * static_cast<float>(map.width)), map.width - 1),
-            y = std::min(static_cast<int>(uv.y * static_cast<float>(map.height)), map.height - 1);
-  return {map.at(x, y) * environment_.strength, square_to_solid_angle(table_.pdf(uv), uv.y)};
+  return {environment_radiance(environment_, environment_texel(environment_, uv)),
+          square_to_solid_angle(table_.pdf(uv), uv.y)};
 }
 
 EmitterSampler::EmitterSampler(const Scene& scene, bool wanted) : scene_(scene) {

@@ -17,14 +17,11 @@ void trace_texels(const RayScene& rays, std::span<ClosestRay> batch, uint32_t al
                   std::span<GBufferTexel> texels, RayCounters& counters) {
   const Scene& scene = rays.scene();
   rays.intersect(batch, true, alpha_seed, counters);
-  for (const ClosestRay& ray : batch)
-    if (ray.met()) prefetch_triangle(scene, rays.hit_of(ray).point.triangle);
-  for (const ClosestRay& ray : batch)
-    if (ray.met()) prefetch_corners(scene, rays.hit_of(ray).point.triangle);
   for (size_t i = 0; i < batch.size(); ++i) {
-    const Vec3 direction(batch[i].ray.direction_x, batch[i].ray.direction_y, batch[i].ray.direction_z);
-    if (batch[i].met()) {
-      texels[i] = shade_surface(scene, rays.hit_of(batch[i]).point, -direction);
+    const ClosestRay& ray = batch[i];
+    const Vec3 direction(ray.ray.direction_x, ray.ray.direction_y, ray.ray.direction_z);
+    if (ray.met()) {
+      texels[i] = shade_surface(scene, rays.hit_of(ray).point, -direction);
       continue;
     }
     texels[i] = GBufferTexel{};

@@ -1,8 +1,7 @@
 // Techniques that are unbiased for the integral against the path tracer, which shares nothing with them but
 // scene, BRDF and Embree; tile by tile, over independent seeds. Quick by default; with HALFLIGHT_FULL_TESTS
-// set
-// (./check --full) to a standard error of about 0.3 %, every case's line printed and written to the folder it
-// names.
+// set (./check --full) to a standard error of about 0.3 %, every case's line printed and written to the
+// folder it names.
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -118,6 +117,10 @@ INSTANTIATE_TEST_SUITE_P(
                     SceneCase{.name = "FlightHelmet",
                               .scene = shared + "/gltf/khronos/FlightHelmet/FlightHelmet.gltf",
                               .environment = shared + "/env/latlong-hdr/venice_sunset_1k.hdr",
+                              .effort = 1},
+                    SceneCase{.name = "SheenChair",
+                              .scene = shared + "/gltf/khronos/SheenChair/SheenChair.gltf",
+                              .environment = shared + "/env/latlong-hdr/potsdamer_platz_1k.hdr",
                               .effort = 1},
                     SceneCase{.name = "hotel_room",
                               .scene = shared + "/gltf/interiors/hotel-room/hotel-room.glb",
