@@ -17,6 +17,8 @@ struct View {
   Vec3 wo;        ///< local
   float diffuse;  ///< luminance of k_d, over π
   float counted;  ///< share of the specular estimate left to counting
+  PointSpread spread;
+  float spread_radius;
 };
 
 /// A cluster from x.
@@ -44,16 +46,19 @@ HALFLIGHT_INLINE Seen see_cluster(const View& v, size_t k) {
   const float inverse_r = 1.0f / std::sqrt(r2);
   Seen seen;
   seen.w = Vec3(dx * inverse_r, dy * inverse_r, dz * inverse_r);
-  seen.reach = v.radius[k] * inverse_r;
+  seen.reach = (v.radius[k] + v.spread_radius * v.local[k]) * inverse_r + 2.0f * v.spread.normals;
   // A cosine is at most what the box's farthest point along the normal gives: a flat cluster in the point's
   // own plane gives nothing, however near it is.
-  const float ex = v.extent_x[k] * inverse_r, ey = v.extent_y[k] * inverse_r, ez = v.extent_z[k] * inverse_r;
+  const float spread = inverse_r * v.local[k];
+  const float ex = v.extent_x[k] * inverse_r + v.spread.extent.x * spread,
+              ey = v.extent_y[k] * inverse_r + v.spread.extent.y * spread,
+              ez = v.extent_z[k] * inverse_r + v.spread.extent.z * spread;
   const float nx = v.normal_x[k], ny = v.normal_y[k], nz = v.normal_z[k];
   const float faces = nx * seen.w.x + ny * seen.w.y + nz * seen.w.z;
   const float wide_light = std::abs(nx) * ex + std::abs(ny) * ey + std::abs(nz) * ez;
   const float cos_light = clamp_to_unit(v.normal_spread[k] + wide_light - faces);
   const Vec3 n = v.basis.normal;
-  const float wide = std::abs(n.x) * ex + std::abs(n.y) * ey + std::abs(n.z) * ez;
+  const float wide = std::abs(n.x) * ex + std::abs(n.y) * ey + std::abs(n.z) * ez + v.spread.normals;
   seen.cosine = clamp_to_unit(n.x * seen.w.x + n.y * seen.w.y + n.z * seen.w.z + wide);
   seen.arriving = v.power[k] * cos_light / (r2 + v.softening[k] * cos_light);
   seen.guard = v.power[k] / (r2 + v.radius[k] * v.radius[k] * v.local[k]);
@@ -237,12 +242,13 @@ float diffuse_luminance(const Brdf& brdf) {
 }  // namespace
 
 void analytic_importance(const Cut& cut, const GBufferTexel& texel, float counted,
-                         const ClusterImportance& out) {
+                         const ClusterImportance& out, const PointSpread& spread) {
   View v = make_view(cut, texel.position);
   v.importance = out.importance.data(), v.guard = out.guard.data(), v.arriving = out.arriving.data();
   v.basis = texel.basis(), v.wo = v.basis.to_local(texel.wo);
   v.diffuse = diffuse_luminance(texel.brdf) / pi;
   v.counted = counted;
+  v.spread = spread, v.spread_radius = glm::length(spread.extent);
   const size_t count = cut.padded_size();
   if (!texel.brdf.has_specular()) return diffuse_loop(v, count);
   if (texel.brdf.model == BrdfModel::phong) {

@@ -17,10 +17,18 @@ struct ClusterImportance {
   std::span<float> arriving;    ///< l_k Ω_k(x): 0 where every member faces away from x
 };
 
+/// Neighbouring points that share importances, about the one they are made for. Cosines are then what the
+/// best-placed of them may have, so that no cluster is 0 which one of them sees.
+struct PointSpread {
+  Vec3 extent{0};     ///< each axis, to the farthest
+  float normals = 0;  ///< length of the largest difference between shading normals
+};
+
 /// q̂_k = l_k Ω_k [k_s (1 − s) D_k + (k_d/π) cos θ_k], D_k the specular lobe's density filtered by the
 /// cluster's extent, and s = `counted` the share of the specular estimate that counting adds for clusters a
 /// ray can hit.
-void analytic_importance(const Cut&, const GBufferTexel&, float counted, const ClusterImportance&);
+void analytic_importance(const Cut&, const GBufferTexel&, float counted, const ClusterImportance&,
+                         const PointSpread& = {});
 
 /// The guard alone.
 void guard_importance(const Cut&, Vec3 x, std::span<float> guard);

@@ -25,6 +25,8 @@ constexpr std::array settings{
     SettingInfo{"bidirectional.brdf-samples", 64, 0, RayBundle::capacity, "counting rays a pixel, N_ρ"},
     SettingInfo{"bidirectional.tau", 16, 0, 1e6, "weight of the analytic estimate, in rays"},
     SettingInfo{"bidirectional.alpha", 0.05, 0, 1, "share of draws that ignore the BRDF"},
+    SettingInfo{"bidirectional.share", 1, 0, 1,
+                "1: what is alike in 4×4 pixels draws from one distribution; 0: each pixel has its own"},
     SettingInfo{"bidirectional.near", 0.5, 0, 1e6,
                 "clusters that reach further than this share of their distance are split; 0: none"},
 };
@@ -41,7 +43,8 @@ struct Parameters {
       : form(static_cast<Form>(static_cast<int>(values.get("bidirectional.form")))),
         counting{static_cast<uint32_t>(values.get("bidirectional.brdf-samples")),
                  static_cast<float>(values.get("bidirectional.tau")),
-                 static_cast<float>(values.get("bidirectional.alpha"))},
+                 static_cast<float>(values.get("bidirectional.alpha")),
+                 values.get("bidirectional.share") > 0},
         near(static_cast<float>(values.get("bidirectional.near"))) {}
 
   CountedCut sampler(const FrameView& frame) const {
@@ -129,12 +132,9 @@ class Bidirectional final : public Technique {
   std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
                                          uint32_t pixel) override {
     const Parameters parameters(*frame.settings);
-    if (parameters.form == Form::printed) {
-      PrintedSampler sampler(frame, parameters.counting.ray_count);
-      return inspect_sampler(sampler, frame, request, pixel);
-    }
-    CountedCut sampler = parameters.sampler(frame);
-    return inspect_sampler(sampler, frame, request, pixel);
+    if (parameters.form == Form::printed)
+      return inspect_sampler(PrintedSampler(frame, parameters.counting.ray_count), frame, request, pixel);
+    return inspect_sampler(parameters.sampler(frame), frame, request, pixel);
   }
 };
 

@@ -33,10 +33,9 @@ class BrdfSampling final : public Technique {
   std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
                                          uint32_t pixel) override {
     if (frame.target == Target::continuous) return std::nullopt;
-    CountedCut sampler = brdf_cut_.sampler();
     FrameView blind = frame;
     blind.cut = &brdf_cut_.cut;
-    return inspect_sampler(sampler, blind, request, pixel);
+    return inspect_sampler(brdf_cut_.sampler(), blind, request, pixel);
   }
 
  private:

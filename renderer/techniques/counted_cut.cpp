@@ -11,6 +11,10 @@ namespace {
 // measured to gain nothing.
 constexpr float narrow_lobe = 3;
 
+// Between normals of points that share a distribution: at 0.95, where no BRDF ray bounds the weights, relMSE
+// of curved things was a third to a half higher.
+constexpr float least_cosine = 0.99f;
+
 }  // namespace
 
 /// Points of the R2 sequence (Roberts 2018), moved by a random shift.
@@ -50,15 +54,28 @@ void CountedCut::begin_group(const Aabb& points) {
   arriving_.resize(cut_->padded_size());
 }
 
-bool CountedCut::begin_pixel(const GBufferTexel& texel, RandomStream& random) {
+/// Whether rays of the texel's lobe are counted.
+bool CountedCut::counts(const GBufferTexel& texel) const {
   const bool narrow =
       texel.brdf.has_specular() && lobe_variance(texel.brdf) * static_cast<float>(cut_->size) < narrow_lobe;
-  const bool counts = parameters_.ray_count > 0 && (narrow || parameters_.always);
-  const float rays = counts ? static_cast<float>(parameters_.ray_count) : 0.0f;
-  const float counted = counts ? rays / (rays + parameters_.tau) : 0.0f;
+  return parameters_.ray_count > 0 && (narrow || parameters_.always);
+}
+
+/// A lobe narrower than the clusters is at home in one pixel only. Without the guard a cluster that sends
+/// nothing to the one would be lost to the other.
+bool CountedCut::serves(const GBufferTexel& one, const GBufferTexel& other) const {
+  return parameters_.share && parameters_.alpha > 0 && !counts(one) && !counts(other) &&
+         alike(one, other, least_cosine);
+}
+
+bool CountedCut::begin_pixels(const SharedPoint& point, RandomStream& random) {
+  const GBufferTexel& texel = point.texel;
+  const bool counted_here = counts(texel);
+  const float rays = counted_here ? static_cast<float>(parameters_.ray_count) : 0.0f;
+  const float counted = counted_here ? rays / (rays + parameters_.tau) : 0.0f;
   const std::span<float> importance = distribution_.importance(*cut_);
-  analytic_importance(*cut_, texel, counted, {importance, guard_, arriving_});
-  if (counts) {
+  analytic_importance(*cut_, texel, counted, {importance, guard_, arriving_}, point.spread);
+  if (counted_here) {
     shoot_lobe_rays(texel, parameters_.ray_count, random, rays_);
     counted_rays_ += parameters_.ray_count;
     const float scale = specular_strength(texel) / (rays + parameters_.tau);

@@ -9,6 +9,7 @@
 #include "lights/cut_distribution.h"
 #include "lights/tile_cut.h"
 #include "scene/gbuffer.h"
+#include "techniques/shared_distribution.h"
 #include "techniques/technique.h"
 
 namespace halflight {
@@ -17,6 +18,7 @@ struct CountedCutParameters {
   uint32_t ray_count;   ///< N_ρ; at most RayBundle::capacity
   float tau;            ///< weight of the analytic estimate, in rays
   float alpha;          ///< share of draws that ignore the BRDF
+  bool share = false;   ///< whether neighbours that are alike draw from one distribution
   bool always = false;  ///< counts on lobes of every width, and where there is none (benchmarks)
 };
 
@@ -29,7 +31,7 @@ void shoot_lobe_rays(const GBufferTexel&, uint32_t ray_count, RandomStream&, Ray
 /// A LightSampler (techniques/pixel_loop.h): q̂_k = l_k [k_s ŝ_k + (k_d/π) cos θ_k Ω_k], ŝ_k = (N_k + τ
 /// g_k)/(N_ρ + τ), g_k > 0 the lobe's analytic mass in the cluster; a ray that meets m boxes adds 1/m to
 /// each; q = (1 − α) q̂/Σq̂ + α u, u_k ∝ Φ_k/(r_k² + R_k²); leaves ∝ Φ_i. With α > 0 no lit leaf has
-/// probability 0.
+/// probability 0, for no pixel: pixels that are alike can share a distribution.
 class CountedCut {
  public:
   /// The cut must outlive it.
@@ -38,7 +40,12 @@ class CountedCut {
   CountedCut(const LightTree&, const Cut&, const CountedCutParameters&, float most_reach);
 
   void begin_group(const Aabb& points);
-  bool begin_pixel(const GBufferTexel&, RandomStream&);
+  /// Whether the distribution made for one of two neighbouring points serves the other.
+  bool serves(const GBufferTexel& one, const GBufferTexel& other) const;
+  bool begin_pixel(const GBufferTexel& texel, RandomStream& random) {
+    return begin_pixels({texel, {}}, random);
+  }
+  bool begin_pixels(const SharedPoint&, RandomStream&);
   void draw(RandomStream& random, std::span<LightSample> out) const {
     distribution_.draw(*cut_, random, out);
   }
@@ -47,6 +54,8 @@ class CountedCut {
   void count_stages(StageCounters&) const;
 
  private:
+  bool counts(const GBufferTexel&) const;
+
   std::unique_ptr<TileCut> tile_cut_;  ///< null where nothing is split
   const Cut* cut_;
   CountedCutParameters parameters_;

@@ -1,6 +1,7 @@
 #include "techniques/halflight_sampler.h"
 
 #include "lights/cut_importance.h"
+#include "techniques/shared_distribution.h"
 
 namespace halflight {
 
@@ -11,31 +12,14 @@ constexpr float mirror_alpha = 1e-3f;
 // K clusters that share the sphere have a variance of about 1/K radians² each along an axis.
 constexpr float narrow_lobe = 1;
 constexpr float most_share_beside_punctual = 0.75f;
+/// Between normals of views that share a distribution.
+constexpr float least_cosine = 0.95f;
 /// How many groups of a block a view is held against: those that came last.
 constexpr size_t most_compared = 8;
 
 bool is_mirror(const Brdf& brdf) {
   return brdf.model == BrdfModel::ggx && max_component(brdf.diffuse) <= 0 &&
          std::max(brdf.roughness.x, brdf.roughness.y) < mirror_alpha;
-}
-
-/// Share of the specular lobe in what a point reflects.
-float specular_share(const Brdf& brdf) {
-  const float specular = luminance(brdf.specular), diffuse = luminance(brdf.diffuse);
-  return specular > 0 ? specular / (specular + diffuse) : 0.0f;
-}
-
-/// Whether a distribution made for one of two neighbouring points serves the other: on one plane, of like
-/// lobes.
-bool alike(const GBufferTexel& a, const GBufferTexel& b) {
-  constexpr float least_cosine = 0.95f, most_off_plane = 0.1f, most_ratio = 1.25f, most_apart = 0.1f;
-  const Vec3 apart = b.position - a.position;
-  const float off_plane = std::abs(glm::dot(apart, a.geometric_normal));
-  const auto close = [](float x, float y) { return x <= most_ratio * y && y <= most_ratio * x; };
-  return a.brdf.model == b.brdf.model && glm::dot(a.shading_normal, b.shading_normal) > least_cosine &&
-         off_plane * off_plane <= square(most_off_plane) * glm::dot(apart, apart) &&
-         close(a.brdf.roughness.x, b.brdf.roughness.x) && close(a.brdf.roughness.y, b.brdf.roughness.y) &&
-         std::abs(specular_share(a.brdf) - specular_share(b.brdf)) < most_apart;
 }
 
 /// Uniform over seeds; neighbours and successive rounds differ as much as can be (Roberts 2018, the R3
@@ -115,7 +99,7 @@ void HalflightSampler::look_at_block(TracedWorker& worker, std::span<const uint3
       view.seen = positions_.at(first_in_tile + place, position);
       for (size_t half = 0; half < 2; ++half)
         view.samples[half] = share_of_position(split[half], position, positions);
-      if (!frame_.kinds.any() || !worker.reflects(*view.seen.texel)) {
+      if (!frame_.kinds.any() || !reflects(*view.seen.texel)) {
         worker.add_base(view.pixel, view.seen, view.samples);
         continue;
       }
@@ -134,7 +118,7 @@ uint32_t HalflightSampler::group_of(const View& view) const {
   for (size_t g = groups_.size(); parameters_.share && g-- > oldest;) {
     const View& leader = views_[groups_[g].leader];
     if ((view.narrow || leader.narrow) && leader.place != view.place) continue;
-    if (alike(*leader.seen.texel, *view.seen.texel)) return static_cast<uint32_t>(g);
+    if (alike(*leader.seen.texel, *view.seen.texel, least_cosine)) return static_cast<uint32_t>(g);
   }
   return static_cast<uint32_t>(groups_.size());
 }

@@ -35,8 +35,7 @@ class Illumination final : public Technique {
 
   std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
                                          uint32_t pixel) override {
-    IlluminationSampler one = sampler(frame);
-    return inspect_sampler(one, frame, request, pixel);
+    return inspect_sampler(sampler(frame), frame, request, pixel);
   }
 
  private:

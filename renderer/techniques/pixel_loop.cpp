@@ -44,6 +44,10 @@ RandomStream pixel_stream(const FrameView& frame, const PassRequest& request, ui
   return RandomStream(pixel, request.pass, frame.seed);
 }
 
+RandomStream distribution_stream(const FrameView& frame, const PassRequest& request, uint32_t pixel) {
+  return RandomStream(pixel, request.pass, hash_combine(frame.seed, 0x6469737472696275ull));
+}
+
 Aabb PixelGroups::points_of(glm::uvec2 block) const {
   const uint32_t width = static_cast<uint32_t>(gbuffer_->width),
                  height = static_cast<uint32_t>(gbuffer_->height);
@@ -70,7 +74,7 @@ bool PixelWorker::open(uint32_t pixel) {
   ++stats_.pixels;
   texel_ = &frame_.gbuffer->texels[pixel];
   const OpenPixel opened{pixel, {}};
-  if (!texel_->hit() || texel_->brdf.black() || !(max_component(texel_->throughput) > 0)) {
+  if (!reflects(*texel_)) {
     add_to_film(opened);
     return false;
   }

@@ -4,13 +4,16 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
 #include <array>
 #include <concepts>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/simd.h"
 #include "lights/cut_distribution.h"
 #include "techniques/connection_batch.h"
+#include "techniques/shared_distribution.h"
 #include "techniques/technique.h"
 
 namespace halflight {
@@ -29,6 +32,13 @@ concept LightSampler = requires(S& sampler, const GBufferTexel& texel, RandomStr
 template <class S>
 concept PreparesGroups = requires(S& sampler, const Aabb& box) {
   sampler.begin_group(box);
+};
+
+/// A sampler whose distribution for one point serves some neighbours of it, too.
+template <class S>
+concept SharesDistributions = requires(const S& sampler, const GBufferTexel& leader,
+                                       const GBufferTexel& texel) {
+  { sampler.serves(leader, texel) } -> std::same_as<bool>;
 };
 
 /// A sampler over a cut whose probabilities can be told.
@@ -157,8 +167,9 @@ class PixelGroups {
   glm::uvec2 block_{0xffffffffu};
 };
 
-/// Random numbers of a pixel in a pass.
+/// Random numbers of a pixel in a pass; and those of a distribution made for it that others share.
 RandomStream pixel_stream(const FrameView&, const PassRequest&, uint32_t pixel);
+RandomStream distribution_stream(const FrameView&, const PassRequest&, uint32_t pixel);
 
 /// Runs `render_tile(worker, sampler, pixels)` for each tile on all cores; workers and samplers are one a
 /// thread.
@@ -195,49 +206,115 @@ PassStats run_tiles(const FrameView& frame, const PassRequest& request, Film& fi
   return stats;
 }
 
+/// One thread's sampler, and whose distribution it holds.
+template <LightSampler Sampler>
+class PixelSampler {
+ public:
+  /// Frame and request must outlive it.
+  PixelSampler(const FrameView& frame, const PassRequest& request, Sampler its_sampler)
+      : sampler(std::move(its_sampler)),
+        frame_(frame),
+        request_(request),
+        groups_(*frame.gbuffer),
+        leaders_(*frame.gbuffer) {}
+
+  /// Calls `visit(pixel)` for each pixel, those of a block that share a distribution one after the other.
+  template <class Visit>
+  void in_turn(std::span<const uint32_t> pixels, const Visit& visit) {
+    if constexpr (SharesDistributions<Sampler>) {
+      for (size_t begin = 0, end = 0; begin < pixels.size(); begin = end) {
+        while (end < pixels.size() && leaders_.block_of(pixels[end]) == leaders_.block_of(pixels[begin]))
+          ++end;
+        std::array<std::pair<uint32_t, uint32_t>, DistributionLeaders::most> block;
+        for (size_t i = begin; i < end; ++i) block[i - begin] = {leader_of(pixels[i]), pixels[i]};
+        std::sort(block.begin(), block.begin() + (end - begin));
+        for (size_t i = 0; i < end - begin; ++i) visit(block[i].second);
+      }
+    } else {
+      for (const uint32_t pixel : pixels) visit(pixel);
+    }
+  }
+
+  /// Makes the pixel's distribution, or keeps the one in hand where that is the pixel's. False: nothing can
+  /// be drawn.
+  bool begin(uint32_t pixel, RandomStream& random) {
+    const auto& texels = frame_.gbuffer->texels;
+    if constexpr (SharesDistributions<Sampler>) {
+      const uint32_t leader = leader_of(pixel);
+      if (leader == leader_) return drawable_;
+      leader_ = leader;
+      RandomStream of_leader = distribution_stream(frame_, request_, leader);
+      return drawable_ = sampler.begin_pixels(leaders_.shared(leader), of_leader);
+    } else {
+      begin_group(pixel);
+      return sampler.begin_pixel(texels[pixel], random);
+    }
+  }
+
+  void count_stages(StageCounters& counters) const {
+    if constexpr (CountsStages<Sampler>) sampler.count_stages(counters);
+  }
+
+  Sampler sampler;
+
+ private:
+  void begin_group(uint32_t pixel) {
+    if constexpr (PreparesGroups<Sampler>)
+      groups_.next(pixel, [&](const Aabb& box) { sampler.begin_group(box); });
+  }
+
+  uint32_t leader_of(uint32_t pixel) {
+    begin_group(pixel);
+    return leaders_.of(pixel, [&](const GBufferTexel& one, const GBufferTexel& other) {
+      return sampler.serves(one, other);
+    });
+  }
+
+  const FrameView& frame_;
+  const PassRequest& request_;
+  PixelGroups groups_;
+  DistributionLeaders leaders_;
+  uint32_t leader_ = DistributionLeaders::none;
+  bool drawable_ = false;
+};
+
 /// A pass of a technique that draws members of S.
 template <LightSampler Sampler, class MakeSampler>
 PassStats run_sampler_pass(const FrameView& frame, const PassRequest& request, Film& film,
                            const MakeSampler& make_sampler) {
   const std::array<uint32_t, 2> split = split_samples(request);
-  struct State {
-    Sampler sampler;
+  struct State : PixelSampler<Sampler> {
+    using PixelSampler<Sampler>::PixelSampler;
     std::array<std::vector<LightSample>, 2> draws;
-    PixelGroups groups;
-
-    void count_stages(StageCounters& counters) const {
-      if constexpr (CountsStages<Sampler>) sampler.count_stages(counters);
-    }
   };
   const auto make_state = [&] {
-    State state{make_sampler(), {}, PixelGroups(*frame.gbuffer)};
+    State state(frame, request, make_sampler());
     for (int half = 0; half < 2; ++half) state.draws[half].resize(split[half]);
     return state;
   };
-  const auto render_tile = [&](PixelWorker& worker, State& state, std::span<const uint32_t> pixels) {
-    for (const uint32_t pixel : pixels) {
-      const uint64_t start = ticks_now();
-      if constexpr (PreparesGroups<Sampler>)
-        state.groups.next(pixel, [&](const Aabb& box) { state.sampler.begin_group(box); });
-      if (!worker.open(pixel)) continue;
-      RandomStream random = pixel_stream(frame, request, pixel);
-      const bool drawable = state.sampler.begin_pixel(worker.texel(), random);
-      const uint64_t built = ticks_now();
-      worker.distribution_ticks += built - start;
-      if (drawable) {
-        for (auto& draws : state.draws)
-          if (!draws.empty()) state.sampler.draw(random, draws);
-        for (const auto& draws : state.draws)
-          for (const LightSample& draw : draws) prefetch(&frame.tree->lights[draw.light]);
-        // Both halves run along the leaves: side by side their rays stay in the order of the tree.
-        for (uint32_t j = 0; j < std::max(split[0], split[1]); ++j)
-          for (int half = 0; half < 2; ++half)
-            if (j < split[half]) worker.add(state.draws[half][j], half);
-      }
-      worker.end_draws();
-      worker.sampling_ticks += ticks_now() - built;
-      worker.close();
+  const auto render_pixel = [&](PixelWorker& worker, State& state, uint32_t pixel) {
+    const uint64_t start = ticks_now();
+    if (!worker.open(pixel)) return;
+    RandomStream random = pixel_stream(frame, request, pixel);
+    const bool drawable = state.begin(pixel, random);
+    const uint64_t built = ticks_now();
+    worker.distribution_ticks += built - start;
+    if (drawable) {
+      for (auto& draws : state.draws)
+        if (!draws.empty()) state.sampler.draw(random, draws);
+      for (const auto& draws : state.draws)
+        for (const LightSample& draw : draws) prefetch(&frame.tree->lights[draw.light]);
+      // Both halves run along the leaves: side by side their rays stay in the order of the tree.
+      for (uint32_t j = 0; j < std::max(split[0], split[1]); ++j)
+        for (int half = 0; half < 2; ++half)
+          if (j < split[half]) worker.add(state.draws[half][j], half);
     }
+    worker.end_draws();
+    worker.sampling_ticks += ticks_now() - built;
+    worker.close();
+  };
+  const auto render_tile = [&](PixelWorker& worker, State& state, std::span<const uint32_t> pixels) {
+    state.in_turn(pixels, [&](uint32_t pixel) { render_pixel(worker, state, pixel); });
     worker.finish();
   };
   return run_tiles(frame, request, film, false, make_state, render_tile);
@@ -245,24 +322,24 @@ PassStats run_sampler_pass(const FrameView& frame, const PassRequest& request, F
 
 /// `Technique::inspect` of a sampler over the cut.
 template <HasPmf Sampler>
-PixelInspection inspect_sampler(Sampler& sampler, const FrameView& frame, const PassRequest& request,
+PixelInspection inspect_sampler(Sampler sampler, const FrameView& frame, const PassRequest& request,
                                 uint32_t pixel) {
   PixelInspection result;
   result.probability.assign(frame.tree->lights.size(), 0.0);
   result.weight.assign(frame.tree->lights.size(), 0.0f);
   RandomStream random = pixel_stream(frame, request, pixel);
-  if constexpr (PreparesGroups<Sampler>)
-    PixelGroups(*frame.gbuffer).next(pixel, [&](const Aabb& box) { sampler.begin_group(box); });
-  if (!sampler.begin_pixel(frame.gbuffer->texels[pixel], random)) return result;
-  const Cut& cut = sampler.cut();
+  PixelSampler<Sampler> state(frame, request, std::move(sampler));
+  if (!state.begin(pixel, random)) return result;
+  const Cut& cut = state.sampler.cut();
+  const CutDistribution& distribution = state.sampler.distribution();
   for (uint32_t k = 0; k < cut.size; ++k) {
     for (uint32_t i = cut.begin[k]; i < cut.end[k]; ++i) {
-      result.probability[i] = sampler.distribution().probability(cut, k, i);
-      if (result.probability[i] > 0) result.weight[i] = sampler.distribution().weight(cut, k, i);
+      result.probability[i] = distribution.probability(cut, k, i);
+      if (result.probability[i] > 0) result.weight[i] = distribution.weight(cut, k, i);
     }
   }
   result.draws.resize(request.samples);
-  sampler.draw(random, result.draws);
+  state.sampler.draw(random, result.draws);
   return result;
 }
 

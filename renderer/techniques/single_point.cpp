@@ -109,8 +109,7 @@ class SinglePoint final : public Technique {
 
   std::optional<PixelInspection> inspect(const FrameView& frame, const PassRequest& request,
                                          uint32_t pixel) override {
-    SinglePointSampler one = sampler(frame);
-    return inspect_sampler(one, frame, request, pixel);
+    return inspect_sampler(sampler(frame), frame, request, pixel);
   }
 
  private:

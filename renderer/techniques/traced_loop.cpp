@@ -99,10 +99,6 @@ bool TracedWorker::open(uint32_t pixel) {
   return open(pixel, {&frame_.gbuffer->texels[pixel], base}, split_);
 }
 
-bool TracedWorker::reflects(const GBufferTexel& texel) {
-  return texel.hit() && !texel.brdf.black() && max_component(texel.throughput) > 0;
-}
-
 void TracedWorker::add_base(uint32_t pixel, const SeenTexel& seen, std::array<uint32_t, 2> samples) {
   add_to_film({pixel, samples, seen.base, Vec3(0), {}});
 }

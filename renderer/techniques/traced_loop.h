@@ -84,8 +84,6 @@ class TracedWorker {
   bool open(uint32_t pixel);
   /// Starts a pixel as it is seen from some position, with what each half's samples there count.
   bool open(uint32_t pixel, const SeenTexel&, std::array<uint32_t, 2> samples);
-  /// Whether light can be reflected there at all.
-  static bool reflects(const GBufferTexel&);
   /// Adds what the picture holds without the technique's part.
   void add_base(uint32_t pixel, const SeenTexel&, std::array<uint32_t, 2> samples);
   const GBufferTexel& texel() const { return *texel_; }
