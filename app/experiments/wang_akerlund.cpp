@@ -37,6 +37,7 @@ RenderSettings settings_for(const ExperimentRun& run, const PaperScene& scene, i
   settings.light = scene.light;
   settings.technique = default_discrete_technique, settings.target = Target::discrete;
   settings.values.set("cut.least", least_cut);
+  settings.values.set("bidirectional.share", "never");  // theirs are each pixel's own
   return settings;
 }
 

@@ -19,14 +19,21 @@ namespace {
 enum class Form { repaired, printed };
 constexpr std::array<std::string_view, 2> form_names{"repaired", "printed"};
 
+// In the continuous target nothing bounds what a near point sends, and what one pixel's distribution misses
+// of it for another makes the tails heavier.
+enum class Share { never, discrete, always };
+constexpr std::array<std::string_view, 3> share_names{"never", "discrete", "always"};
+
 constexpr std::array settings{
     SettingInfo{"bidirectional.form", 0, 0, 1,
                 "repaired is unbiased; printed is the paper's eq. 9 as it stands", form_names},
     SettingInfo{"bidirectional.brdf-samples", 64, 0, RayBundle::capacity, "counting rays a pixel, N_ρ"},
     SettingInfo{"bidirectional.tau", 16, 0, 1e6, "weight of the analytic estimate, in rays"},
     SettingInfo{"bidirectional.alpha", 0.05, 0, 1, "share of draws that ignore the BRDF"},
-    SettingInfo{"bidirectional.share", 1, 0, 1,
-                "1: what is alike in 4×4 pixels draws from one distribution; 0: each pixel has its own"},
+    SettingInfo{"bidirectional.share", 1, 0, 2,
+                "whether what is alike in 4×4 pixels draws from one distribution: never, in the discrete "
+                "target alone, always",
+                share_names},
     SettingInfo{"bidirectional.near", 0.5, 0, 1e6,
                 "clusters that reach further than this share of their distance are split; 0: none"},
 };
@@ -36,21 +43,23 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 2> draft_val
 
 struct Parameters {
   Form form;
+  Share share;
   CountedCutParameters counting;
   float near;
 
   explicit Parameters(const SettingValues& values)
       : form(static_cast<Form>(static_cast<int>(values.get("bidirectional.form")))),
+        share(static_cast<Share>(static_cast<int>(values.get("bidirectional.share")))),
         counting{static_cast<uint32_t>(values.get("bidirectional.brdf-samples")),
                  static_cast<float>(values.get("bidirectional.tau")),
-                 static_cast<float>(values.get("bidirectional.alpha")),
-                 values.get("bidirectional.share") > 0},
+                 static_cast<float>(values.get("bidirectional.alpha"))},
         near(static_cast<float>(values.get("bidirectional.near"))) {}
 
   CountedCut sampler(const FrameView& frame) const {
-    return near > 0 && frame.runs(Stage::near_clusters)
-               ? CountedCut(*frame.tree, *frame.cut, planned(frame, counting), near)
-               : CountedCut(*frame.cut, planned(frame, counting));
+    CountedCutParameters its = planned(frame, counting);
+    its.share = share == Share::always || (share == Share::discrete && frame.target == Target::discrete);
+    return near > 0 && frame.runs(Stage::near_clusters) ? CountedCut(*frame.tree, *frame.cut, its, near)
+                                                        : CountedCut(*frame.cut, its);
   }
 };
 

@@ -61,11 +61,9 @@ bool CountedCut::counts(const GBufferTexel& texel) const {
   return parameters_.ray_count > 0 && (narrow || parameters_.always);
 }
 
-/// A lobe narrower than the clusters is at home in one pixel only. Without the guard a cluster that sends
-/// nothing to the one would be lost to the other.
+/// A lobe narrower than the clusters is at home in one pixel only.
 bool CountedCut::serves(const GBufferTexel& one, const GBufferTexel& other) const {
-  return parameters_.share && parameters_.alpha > 0 && !counts(one) && !counts(other) &&
-         alike(one, other, least_cosine);
+  return !counts(one) && !counts(other) && alike(one, other, least_cosine);
 }
 
 bool CountedCut::begin_pixels(const SharedPoint& point, RandomStream& random) {

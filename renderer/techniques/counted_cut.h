@@ -40,6 +40,9 @@ class CountedCut {
   CountedCut(const LightTree&, const Cut&, const CountedCutParameters&, float most_reach);
 
   void begin_group(const Aabb& points);
+  /// Whether neighbours can share a distribution at all. Without the guard a cluster that sends nothing to
+  /// the one would be lost to the other.
+  bool shares() const { return parameters_.share && parameters_.alpha > 0; }
   /// Whether the distribution made for one of two neighbouring points serves the other.
   bool serves(const GBufferTexel& one, const GBufferTexel& other) const;
   bool begin_pixel(const GBufferTexel& texel, RandomStream& random) {

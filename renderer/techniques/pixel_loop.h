@@ -34,11 +34,13 @@ concept PreparesGroups = requires(S& sampler, const Aabb& box) {
   sampler.begin_group(box);
 };
 
-/// A sampler whose distribution for one point serves some neighbours of it, too.
+/// A sampler whose distribution for one point may serve some neighbours of it, too.
 template <class S>
-concept SharesDistributions = requires(const S& sampler, const GBufferTexel& leader,
-                                       const GBufferTexel& texel) {
+concept SharesDistributions = requires(S& sampler, const GBufferTexel& leader, const GBufferTexel& texel,
+                                       const SharedPoint& point, RandomStream& random) {
+  { sampler.shares() } -> std::same_as<bool>;
   { sampler.serves(leader, texel) } -> std::same_as<bool>;
+  { sampler.begin_pixels(point, random) } -> std::same_as<bool>;
 };
 
 /// A sampler over a cut whose probabilities can be told.
@@ -221,34 +223,33 @@ class PixelSampler {
   /// Calls `visit(pixel)` for each pixel, those of a block that share a distribution one after the other.
   template <class Visit>
   void in_turn(std::span<const uint32_t> pixels, const Visit& visit) {
-    if constexpr (SharesDistributions<Sampler>) {
-      for (size_t begin = 0, end = 0; begin < pixels.size(); begin = end) {
-        while (end < pixels.size() && leaders_.block_of(pixels[end]) == leaders_.block_of(pixels[begin]))
-          ++end;
-        std::array<std::pair<uint32_t, uint32_t>, DistributionLeaders::most> block;
-        for (size_t i = begin; i < end; ++i) block[i - begin] = {leader_of(pixels[i]), pixels[i]};
-        std::sort(block.begin(), block.begin() + (end - begin));
-        for (size_t i = 0; i < end - begin; ++i) visit(block[i].second);
-      }
-    } else {
+    if (!shares()) {
       for (const uint32_t pixel : pixels) visit(pixel);
+      return;
+    }
+    for (size_t begin = 0, end = 0; begin < pixels.size(); begin = end) {
+      while (end < pixels.size() && leaders_.block_of(pixels[end]) == leaders_.block_of(pixels[begin])) ++end;
+      std::array<std::pair<uint32_t, uint32_t>, DistributionLeaders::most> block;
+      for (size_t i = begin; i < end; ++i) block[i - begin] = {leader_of(pixels[i]), pixels[i]};
+      std::sort(block.begin(), block.begin() + (end - begin));
+      for (size_t i = 0; i < end - begin; ++i) visit(block[i].second);
     }
   }
 
   /// Makes the pixel's distribution, or keeps the one in hand where that is the pixel's. False: nothing can
   /// be drawn.
   bool begin(uint32_t pixel, RandomStream& random) {
-    const auto& texels = frame_.gbuffer->texels;
+    begin_group(pixel);
     if constexpr (SharesDistributions<Sampler>) {
-      const uint32_t leader = leader_of(pixel);
-      if (leader == leader_) return drawable_;
-      leader_ = leader;
-      RandomStream of_leader = distribution_stream(frame_, request_, leader);
-      return drawable_ = sampler.begin_pixels(leaders_.shared(leader), of_leader);
-    } else {
-      begin_group(pixel);
-      return sampler.begin_pixel(texels[pixel], random);
+      if (shares()) {
+        const uint32_t leader = leader_of(pixel);
+        if (leader == leader_) return drawable_;
+        leader_ = leader;
+        RandomStream of_leader = distribution_stream(frame_, request_, leader);
+        return drawable_ = sampler.begin_pixels(leaders_.shared(leader), of_leader);
+      }
     }
+    return sampler.begin_pixel(frame_.gbuffer->texels[pixel], random);
   }
 
   void count_stages(StageCounters& counters) const {
@@ -263,11 +264,21 @@ class PixelSampler {
       groups_.next(pixel, [&](const Aabb& box) { sampler.begin_group(box); });
   }
 
+  bool shares() const {
+    if constexpr (SharesDistributions<Sampler>)
+      return sampler.shares();
+    else
+      return false;
+  }
+
   uint32_t leader_of(uint32_t pixel) {
     begin_group(pixel);
-    return leaders_.of(pixel, [&](const GBufferTexel& one, const GBufferTexel& other) {
-      return sampler.serves(one, other);
-    });
+    if constexpr (SharesDistributions<Sampler>)
+      return leaders_.of(pixel, [&](const GBufferTexel& one, const GBufferTexel& other) {
+        return sampler.serves(one, other);
+      });
+    else
+      return pixel;
   }
 
   const FrameView& frame_;

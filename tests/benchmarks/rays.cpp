@@ -99,6 +99,8 @@ void benchmark_rays_of(const std::string& name, std::string_view id) {
   for (int round = 0; round < 4; ++round) {
     Film film(settings.width, settings.height);
     request.pass = round;
+    // As the session does where S is redrawn: a round belongs to one half of the film.
+    if (frame.target == Target::continuous) request.half = round % 2;
     const PassStats stats = technique->run_pass(frame, request, film);
     const double seconds = (stats.sampling_seconds + stats.visibility_seconds) / thread_count();
     const double rate = static_cast<double>(stats.useful_rays) / seconds;

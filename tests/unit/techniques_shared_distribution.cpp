@@ -112,9 +112,9 @@ TEST(SharedDistribution, NeighboursDrawFromOneAndEachMeanIsItsExactSum) {
   };
   EXPECT_EQ(probabilities(0), probabilities(27));  // the first block
   EXPECT_NE(probabilities(0), probabilities(4));
-  room.settings.set("bidirectional.share", "0");
+  room.settings.set("bidirectional.share", "never");
   EXPECT_NE(probabilities(0), probabilities(27));
-  room.settings.set("bidirectional.share", "1");
+  room.settings.set("bidirectional.share", "always");
 
   constexpr uint32_t passes = 4000, pixels = 32;
   std::vector<double> mean(pixels), square_mean(pixels);
