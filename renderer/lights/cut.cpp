@@ -178,6 +178,17 @@ void refresh_cut(const LightTree& tree, Cut& cut) {
   fill_leaf_guide(cut);
 }
 
+double leaf_probability(const Cut& cut, uint32_t k, uint32_t leaf) {
+  return (cut.leaf_prefix[leaf + 1] - cut.leaf_prefix[leaf]) / cut.leaf_total[k];
+}
+
+void weigh_leaves(Cut& cut, std::span<const float> weight) {
+  fill_leaf_prefix(
+      cut, weight.size(), [&](uint32_t leaf) { return static_cast<double>(weight[leaf]); },
+      [](uint32_t) { return 1.0; });
+  fill_leaf_guide(cut);
+}
+
 size_t held_bytes(const Cut& cut) {
   size_t bytes = 0;
   for_each_array([&](auto array, auto) { bytes += vector_bytes(cut.*array); });

@@ -102,6 +102,12 @@ Cut illumination_cut(const LightTree&, const CutSettings&);
 /// The same clusters with what the tree's members send now. Every member that does must lie in one of them.
 void refresh_cut(const LightTree&, Cut&);
 
+/// Share of a leaf in its cluster k, as draws choose it.
+double leaf_probability(const Cut&, uint32_t k, uint32_t leaf);
+
+/// Chooses leaves in proportion to `weight` (of each leaf, ≥ 0, with a sum near 1 in each cluster).
+void weigh_leaves(Cut&, std::span<const float> weight);
+
 size_t held_bytes(const Cut&);
 
 /// Box of all clusters that are not at infinity.

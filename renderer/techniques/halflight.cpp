@@ -9,7 +9,10 @@
 // that the density p_v(ω) = P(i)/A_i · r²/|cos θ'| is known for whatever a BRDF ray meets, and
 //   Σ f L cos θ/(n_v p_v + n_b p_b)
 // is unbiased for the integral (Veach & Guibas 1995; Wang & Åkerlund 2009 for light × BRDF over a cut;
-// Tokuyoshi et al. 2024 for the filtered lobe). No sample exceeds f L cos θ/(n_b p_b).
+// Tokuyoshi et al. 2024 for the filtered lobe). Inside a cluster leaves are drawn by what this round's points
+// send, P' in place of P; such a sample is multiplied by P/P' ≤ 10 and weighed by p_v as before: weights of
+// two ways to a point must sum to 1 and know nothing of the set in hand, no more. So no sample exceeds 10 f L
+// cos θ/(n_b p_b).
 #include "techniques/halflight_sampler.h"
 
 namespace halflight {

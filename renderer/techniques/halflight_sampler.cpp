@@ -208,7 +208,7 @@ void HalflightSampler::share_out(std::span<const View> views, float share, int h
 /// stratum may hang on that.
 void HalflightSampler::draw_and_deal(size_t views, RandomStream& random) {
   if (draws_.empty()) return;
-  distribution_.draw(lights_.cut(), random, draws_);
+  distribution_.draw(lights_.drawn(), random, draws_);
   for (const LightSample& draw : draws_) prefetch(&lights_.light(draw.light));
   const size_t total = draws_.size();
   if (views == 1) return std::swap(draws_, dealt_);
@@ -240,7 +240,10 @@ void HalflightSampler::draw_view(TracedWorker& worker, const View& view, size_t 
   worker.open(view.pixel, view.seen, samples);
   for (const LightSample& draw :
        std::span<const LightSample>(dealt_).subspan(begin_[index], samples_[index])) {
-    batch_.add(lights_.light(draw.light), *frame_.scene, view.seen.texel->position, draw.weight, draw.cluster,
+    const float learned = lights_.learned_over_drawn(draw.light);
+    VirtualLight light = lights_.light(draw.light);
+    light.radiance *= learned;
+    batch_.add(light, *frame_.scene, view.seen.texel->position, draw.weight / learned, draw.cluster,
                lights_.met_by_rays(draw.light) ? expected_rays : 0.0f);
     if (batch_.size == ConnectionBatch::capacity) connect(worker, half, expected_samples);
   }

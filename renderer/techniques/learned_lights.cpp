@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/random.h"
 #include "core/timeline.h"
 #include "core/vector_bytes.h"
@@ -147,7 +148,40 @@ void LearnedLights::draw_set(const FrameView& frame, uint64_t round, uint32_t ra
       draw(frame, hash_combine(frame.seed, round + 1), rays_a_point, stats.rays);
   lights_.resize(set.size());
   for (size_t i = 0; i < set.size(); ++i) lights_[i] = set[tree_.original[i]];
+  draw_by_set();
   for (const auto& [stage, count] : members()) stats.stages[stage].calls += count > 0;
+}
+
+/// Inside a cluster leaves are drawn in proportion to what their points send in this set, but for a share
+/// that goes by what was learned.
+void LearnedLights::draw_by_set() {
+  constexpr double learned_share = 0.1;
+  leaf_weight_.assign(lights_.size(), 0.0f);
+  learned_over_drawn_.assign(lights_.size(), 1.0f);
+  drawn_ = cut_;
+  const auto each_cluster = [&](const auto& visit) {
+    parallel_for(0, cut_.size, 16, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) visit(static_cast<uint32_t>(k), cut_.begin[k], cut_.end[k]);
+    });
+  };
+  each_cluster([&](uint32_t k, uint32_t begin, uint32_t end) {
+    double sum = 0;
+    for (uint32_t i = begin; i < end; ++i) sum += leaf_power(lights_[i]);
+    const bool by_set = cut_.kind[k] != LightKind::punctual && sum > 0 && std::isfinite(sum);
+    for (uint32_t i = begin; i < end; ++i) {
+      const double learned = leaf_probability(cut_, k, i);
+      if (!(learned > 0)) continue;
+      leaf_weight_[i] = static_cast<float>(
+          by_set ? (1 - learned_share) * (leaf_power(lights_[i]) / sum) + learned_share * learned : learned);
+    }
+  });
+  weigh_leaves(drawn_, leaf_weight_);
+  each_cluster([&](uint32_t k, uint32_t begin, uint32_t end) {
+    for (uint32_t i = begin; i < end; ++i)
+      if (leaf_weight_[i] > 0)
+        learned_over_drawn_[i] =
+            static_cast<float>(leaf_probability(cut_, k, i) / leaf_probability(drawn_, k, i));
+  });
 }
 
 std::array<std::pair<Stage, uint32_t>, light_kind_count> LearnedLights::members() const {
@@ -162,7 +196,8 @@ void LearnedLights::count_held(const FrameView& frame, StageCounters& counters) 
   if (strata_.size() == 0) return;
   counters[Stage::strata].bytes += strata_.held_bytes();
   counters[Stage::light_tree].bytes += held_bytes(tree_) + vector_bytes(leaf_of_, cluster_of_);
-  counters[frame.cut_stage()].bytes += held_bytes(cut_);
+  counters[frame.cut_stage()].bytes +=
+      held_bytes(cut_) + held_bytes(drawn_) + vector_bytes(learned_over_drawn_, leaf_weight_);
 }
 
 std::optional<LearnedLights::Met> LearnedLights::met(uint32_t stratum, float measure) const {

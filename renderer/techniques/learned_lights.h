@@ -1,7 +1,7 @@
 // The light of `halflight`: strata fixed by geometry, a tree and a cut over them whose powers come from a
-// pilot set, and the set that is drawn afresh each round. Probabilities never depend on the set in hand, so
-// that a light sample and a BRDF ray which meets the same light can be weighed by one balance heuristic
-// (ESTIMATORS: "Continuous mode").
+// pilot set, and the set that is drawn afresh each round. The weights of the balance heuristic never depend
+// on the set in hand, so that a light sample and a BRDF ray which meets the same light share it in full
+// (ESTIMATORS: "Continuous mode"); which leaf of a cluster is drawn may.
 #pragma once
 
 #include <array>
@@ -35,6 +35,12 @@ class LearnedLights {
   const LightSources& sources() const { return sources_; }
   const LightTree& tree() const { return tree_; }
   const Cut& cut() const { return cut_; }
+  /// The same clusters, their leaves to be drawn by what the set in hand sends.
+  const Cut& drawn() const { return drawn_; }
+  /// Probability of a leaf in its cluster by what was learned, over that of being drawn. Light samples are
+  /// multiplied by it and weighed as if drawn with the former: weights of the balance heuristic must not know
+  /// the set in hand, probabilities of draws may.
+  float learned_over_drawn(uint32_t leaf) const { return learned_over_drawn_[leaf]; }
   uint32_t point_count() const { return strata_.surface_count(); }
   /// The set in hand, in the order of the cut's leaves.
   const VirtualLight& light(uint32_t leaf) const { return lights_[leaf]; }
@@ -62,6 +68,7 @@ class LearnedLights {
 
   void see(std::span<const VirtualLight> set, Seen&) const;
   void use_powers();
+  void draw_by_set();
   std::vector<VirtualLight> draw(const FrameView&, uint64_t seed, uint32_t rays_a_point, RayCounters&) const;
   std::optional<Met> met(uint32_t stratum, float measure) const;
   /// How many of a set each stage places.
@@ -70,10 +77,11 @@ class LearnedLights {
   LightSources sources_;
   LightStrata strata_;
   LightTree tree_;
-  Cut cut_;
+  Cut cut_, drawn_;
   std::vector<uint32_t> leaf_of_;     ///< of each stratum
   std::vector<uint32_t> cluster_of_;  ///< of each leaf
   std::vector<VirtualLight> lights_;
+  std::vector<float> learned_over_drawn_, leaf_weight_;  ///< of each leaf
   Seen pilot_, seen_;
 };
 

@@ -131,6 +131,31 @@ void check_pixel(const FrameView& frame, const LearnedLights& lights, const GBuf
   ASSERT_NEAR(sum, 1, 1e-9);
 }
 
+/// Leaves are drawn by what the set in hand sends, and what that has over the learned probability is taken
+/// back from their light.
+void check_drawn(const LearnedLights& lights) {
+  const Cut &learned = lights.cut(), &drawn = lights.drawn();
+  size_t by_set = 0;
+  for (uint32_t k = 0; k < learned.size; ++k) {
+    double sum = 0, power = 0;
+    for (uint32_t i = learned.begin[k]; i < learned.end[k]; ++i) power += leaf_power(lights.light(i));
+    for (uint32_t i = learned.begin[k]; i < learned.end[k]; ++i) {
+      const double p = leaf_probability(drawn, k, i), ratio = lights.learned_over_drawn(i);
+      sum += p;
+      ASSERT_NEAR(p * ratio, leaf_probability(learned, k, i), 1e-6 * p * ratio + 1e-9);
+      ASSERT_LT(ratio, 10.1) << "no sample may weigh much more than what was learned makes of it";
+      if (learned.kind[k] == LightKind::punctual || !(power > 0)) {
+        ASSERT_NEAR(ratio, 1, 1e-6);
+      } else {
+        ASSERT_GT(p, 0.89 * leaf_power(lights.light(i)) / power - 1e-9);
+        by_set += std::abs(ratio - 1) > 0.01;
+      }
+    }
+    ASSERT_NEAR(sum, 1, 1e-9);
+  }
+  EXPECT_GT(by_set, 100u) << "a set like what was learned shows nothing";
+}
+
 TEST_P(OneDensity, BothWaysToAPointShareItInFull) {
   const DensityScene& c = GetParam();
   Messages messages;
@@ -141,6 +166,7 @@ TEST_P(OneDensity, BothWaysToAPointShareItInFull) {
   Tally tally;
   for (const uint64_t round : {0u, 5u}) {
     lights.draw_set(frame, round, 1, stats);
+    check_drawn(lights);
     for (uint32_t pixel = 100; pixel < frame.gbuffer->texels.size(); pixel += 131) {
       const GBufferTexel& texel = frame.gbuffer->texels[pixel];
       if (texel.hit() && !texel.brdf.black()) check_pixel(frame, lights, texel, tally);
