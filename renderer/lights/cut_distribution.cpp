@@ -217,8 +217,7 @@ double CutDistribution::cluster_probability(uint32_t k) const { return cluster_s
 
 double CutDistribution::probability(const Cut& cut, uint32_t k, uint32_t leaf) const {
   const uint32_t count = cut.end[k] - cut.begin[k];
-  const double inside =
-      rule_ == LeafRule::uniform ? 1.0 / count : leaf_share_of(cut, leaf) / cut.leaf_total[k];
+  const double inside = rule_ == LeafRule::uniform ? 1.0 / count : leaf_probability(cut, k, leaf);
   return cluster_share(k) / total_ * inside;
 }
 

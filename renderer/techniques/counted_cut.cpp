@@ -11,8 +11,8 @@ namespace {
 // measured to gain nothing.
 constexpr float narrow_lobe = 3;
 
-// Between normals of points that share a distribution: at 0.95, where no BRDF ray bounds the weights, relMSE
-// of curved things was a third to a half higher.
+// Between normals of points that share a distribution, where no BRDF ray bounds the weights: at 0.95 relMSE
+// on statue and car was 1.44 and 1.34 times that of distributions of their own, at 0.99 it is 1.29 and 1.15.
 constexpr float least_cosine = 0.99f;
 
 }  // namespace

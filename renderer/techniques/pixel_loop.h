@@ -239,7 +239,6 @@ class PixelSampler {
   /// Makes the pixel's distribution, or keeps the one in hand where that is the pixel's. False: nothing can
   /// be drawn.
   bool begin(uint32_t pixel, RandomStream& random) {
-    begin_group(pixel);
     if constexpr (SharesDistributions<Sampler>) {
       if (shares()) {
         const uint32_t leader = leader_of(pixel);
@@ -249,6 +248,7 @@ class PixelSampler {
         return drawable_ = sampler.begin_pixels(leaders_.shared(leader), of_leader);
       }
     }
+    begin_group(pixel);
     return sampler.begin_pixel(frame_.gbuffer->texels[pixel], random);
   }
 
