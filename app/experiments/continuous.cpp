@@ -35,14 +35,16 @@ struct Ingredient {
   TechniqueVariant without;
 };
 
-const std::array<Ingredient, 6>& ingredients() {
+const std::array<Ingredient, 7>& ingredients() {
   using Settings = std::vector<std::pair<std::string, std::string>>;
   const auto without = [](const char* what, Settings settings) {
     return TechniqueVariant{std::string("without-") + what, "halflight", std::move(settings)};
   };
-  static const std::array<Ingredient, 6> all{{
-      {"BRDF rays", without("brdf-rays", {{"halflight.brdf-share", "0"}, {"halflight.narrow-share", "0"}})},
-      {"more of them on narrow lobes", without("narrow-share", {{"halflight.narrow-share", "0"}})},
+  static const std::array<Ingredient, 7> all{{
+      {"BRDF rays", without("brdf-rays", {{"halflight.brdf-share", "0"}, {"halflight.specular-share", "0"}})},
+      {"more of them on specular lobes", without("specular-share", {{"halflight.specular-share", "0"}})},
+      {"more clusters of the environment",
+       without("environment-clusters", {{"halflight.environment-clusters", "0"}})},
       {"several positions a round", without("positions", {{"halflight.position-samples", "4096"}})},
       {"learned powers", without("powers", {{"halflight.powers", "0"}})},
       {"learned visibility", without("visibility", {{"halflight.visibility", "0"}})},

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <span>
 
 #include "core/parallel.h"
 #include "core/vector_bytes.h"
@@ -30,31 +31,51 @@ double error_bound(const LightNode& root, const CutSettings& settings) {
   return scale * scale * root.count();
 }
 
-/// Refines one kind's tree; the cluster that errs most is split first (§3.2).
-void refine(const LightTree& tree, uint32_t root, const CutSettings& settings, std::vector<uint32_t>& cut) {
-  const double bound = error_bound(tree.nodes[root], settings);
-  const uint32_t least =
-      std::max(settings.least, tree.nodes[root].kind == LightKind::punctual ? settings.least_punctual : 0u);
+/// Splits clusters, the one of largest `error(node)` first, while `wants(error, clusters so far)`.
+template <class Error, class Wants>
+std::vector<uint32_t> split(const LightTree& tree, std::span<const uint32_t> from, const Error& error,
+                            const Wants& wants) {
+  std::vector<uint32_t> unsplit;
   std::priority_queue<Refinement> open;
-  size_t size = 0;
   const auto add = [&](uint32_t index) {
     const LightNode& node = tree.nodes[index];
     if (!(node.power > 0)) return;  // holds nothing that can matter
-    ++size;
     if (node.left < 0)
-      cut.push_back(index);
+      unsplit.push_back(index);
     else
-      open.push({node.error, node.power, index});
+      open.push({error(node), node.power, index});
   };
-  add(root);
-  while (!open.empty() && size < settings.most && (open.top().error > bound || size < least)) {
-    const uint32_t index = open.top().node;
+  for (const uint32_t index : from) add(index);
+  while (!open.empty() && wants(open.top().error, unsplit.size() + open.size())) {
+    const auto left = static_cast<uint32_t>(tree.nodes[open.top().node].left);
     open.pop();
-    --size;
-    add(static_cast<uint32_t>(tree.nodes[index].left));
-    add(static_cast<uint32_t>(tree.nodes[index].left) + 1);
+    add(left), add(left + 1);
   }
-  for (; !open.empty(); open.pop()) cut.push_back(open.top().node);
+  for (; !open.empty(); open.pop()) unsplit.push_back(open.top().node);
+  return unsplit;
+}
+
+/// Φ R²: what cosines and lobes vary by across a cluster of distant light. 0 for so few members that their
+/// places do not tell how far it extends.
+double angular_error(const LightNode& node) {
+  constexpr uint32_t few = 8;
+  return node.count() < few ? 0.0
+                            : node.power * square(static_cast<double>(glm::length(node.high - node.low)));
+}
+
+/// Refines one kind's tree; the cluster that errs most is split first (§3.2).
+void refine(const LightTree& tree, uint32_t root, const CutSettings& settings, std::vector<uint32_t>& cut) {
+  const LightKind kind = tree.nodes[root].kind;
+  const double bound = error_bound(tree.nodes[root], settings);
+  const uint32_t least = std::max(settings.least, kind == LightKind::punctual ? settings.least_punctual : 0u);
+  std::vector<uint32_t> clusters = split(
+      tree, std::span(&root, 1), [](const LightNode& node) { return node.error; },
+      [&](double error, size_t size) { return size < settings.most && (error > bound || size < least); });
+  if (kind == LightKind::environment)
+    clusters = split(tree, clusters, angular_error, [&](double error, size_t size) {
+      return size < std::min(settings.least_environment, settings.most) && error > 0;
+    });
+  cut.insert(cut.end(), clusters.begin(), clusters.end());
 }
 
 /// Every lit leaf.

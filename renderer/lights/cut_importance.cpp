@@ -25,7 +25,7 @@ struct View {
 struct Seen {
   Vec3 w;          ///< unit, towards its centre
   float arriving;  ///< Φ_k c'/(r² + a c'): l_k Ω_k, with c' widened by the box's extent
-  float cosine;    ///< at x, widened likewise
+  float cosine;    ///< at x, the mean over the box: above 0 where any of it is above the horizon
   float reach;     ///< R/r
   float guard;
 };
@@ -35,6 +35,16 @@ struct Seen {
 HALFLIGHT_INLINE float clamp_to_unit(float v) {
   const float high = v < 1.0f ? v : 1.0f;
   return 0.5f * (high + std::abs(high));
+}
+
+/// v or 0, without a comparison, for the same reason.
+HALFLIGHT_INLINE float positive_part(float v) { return 0.5f * (v + std::abs(v)); }
+
+/// Mean of max(0, c + t) over t in [−e, e], at most 1: (c + e)²/4e where that reaches on both sides of 0.
+HALFLIGHT_INLINE float mean_cosine(float c, float e) {
+  const float above = positive_part((c < e ? c : e) + e);
+  const float mean = above * above * (0.25f / (e + 1e-20f)) + positive_part(c - e);
+  return mean < 1.0f ? mean : 1.0f;
 }
 
 HALFLIGHT_INLINE Seen see_cluster(const View& v, size_t k) {
@@ -47,8 +57,8 @@ HALFLIGHT_INLINE Seen see_cluster(const View& v, size_t k) {
   Seen seen;
   seen.w = Vec3(dx * inverse_r, dy * inverse_r, dz * inverse_r);
   seen.reach = (v.radius[k] + v.spread_radius * v.local[k]) * inverse_r + 2.0f * v.spread.normals;
-  // A cosine is at most what the box's farthest point along the normal gives: a flat cluster in the point's
-  // own plane gives nothing, however near it is.
+  // No cosine exceeds what the box's farthest point along the normal gives: a flat cluster in the point's own
+  // plane gives nothing, however near it is.
   const float spread = inverse_r * v.local[k];
   const float ex = v.extent_x[k] * inverse_r + v.spread.extent.x * spread,
               ey = v.extent_y[k] * inverse_r + v.spread.extent.y * spread,
@@ -59,7 +69,7 @@ HALFLIGHT_INLINE Seen see_cluster(const View& v, size_t k) {
   const float cos_light = clamp_to_unit(v.normal_spread[k] + wide_light - faces);
   const Vec3 n = v.basis.normal;
   const float wide = std::abs(n.x) * ex + std::abs(n.y) * ey + std::abs(n.z) * ez + v.spread.normals;
-  seen.cosine = clamp_to_unit(n.x * seen.w.x + n.y * seen.w.y + n.z * seen.w.z + wide);
+  seen.cosine = mean_cosine(n.x * seen.w.x + n.y * seen.w.y + n.z * seen.w.z, wide);
   seen.arriving = v.power[k] * cos_light / (r2 + v.softening[k] * cos_light);
   seen.guard = v.power[k] / (r2 + v.radius[k] * v.radius[k] * v.local[k]);
   return seen;

@@ -59,6 +59,9 @@ struct CutSettings {
   /// And of punctual lights, where more: alike in strength they have no error that would split them, and yet
   /// they differ by nearness.
   uint32_t least_punctual = 0;
+  /// And of the environment, where more: clusters alike in radiance inside still differ in cosine and lobe.
+  /// Those beyond what the error asks for are split by power and extent.
+  uint32_t least_environment = 0;
   uint32_t most = 1024;
   bool leaves = false;  ///< no refinement: every lit leaf is a cluster
 };

@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::array settings{
     SettingInfo{"halflight.brdf-share", 0.125, 0, 1, "share of a pixel's samples that follow the BRDF"},
-    SettingInfo{"halflight.narrow-share", 0.25, 0, 1,
-                "the same where the lobe is narrower than the cut's clusters"},
+    SettingInfo{"halflight.specular-share", 0.25, 0, 1,
+                "the same where a specular lobe reflects as much or more of the light"},
     SettingInfo{"halflight.alpha", 0.05, 0, 1, "share of light samples that ignore the BRDF"},
     SettingInfo{"halflight.share", 1, 0, 1, "1: all that is alike in 4×4 pixels draws from one distribution"},
     SettingInfo{
@@ -30,6 +30,8 @@ constexpr std::array settings{
         "samples that share a position in the pixel; from 8 positions on, twice as many; up to 16 positions"},
     SettingInfo{"halflight.punctual-clusters", 1, 0, 1,
                 "1: each punctual light is a cluster of its own, up to cut.most; 0: cut.error decides"},
+    SettingInfo{"halflight.environment-clusters", 512, 0, 1e6,
+                "clusters of the environment at least, up to cut.most"},
     SettingInfo{"halflight.visibility", 1, 0, 1, "1: draws learn which clusters are hidden; 0: not"},
     SettingInfo{"halflight.powers", 1, 0, 1,
                 "1: strata learn from each round what they send; 0: from the pilot alone"},
@@ -42,13 +44,14 @@ constexpr std::array settings{
 HalflightParameters parameters_of(const SettingValues& values) {
   HalflightParameters parameters;
   parameters.brdf_share = static_cast<float>(values.get("halflight.brdf-share"));
-  parameters.narrow_share = static_cast<float>(values.get("halflight.narrow-share"));
+  parameters.specular_share = static_cast<float>(values.get("halflight.specular-share"));
   parameters.alpha = static_cast<float>(values.get("halflight.alpha"));
   parameters.share = values.get("halflight.share") > 0;
   parameters.powers = values.get("halflight.powers") > 0;
   parameters.visibility = values.get("halflight.visibility") > 0;
   parameters.position_samples = static_cast<uint32_t>(values.get("halflight.position-samples"));
   parameters.punctual_clusters = values.get("halflight.punctual-clusters") > 0;
+  parameters.environment_clusters = static_cast<uint32_t>(values.get("halflight.environment-clusters"));
   parameters.pilot_rays = static_cast<uint32_t>(values.get("halflight.pilot-rays"));
   parameters.light_rays = static_cast<uint32_t>(values.get("halflight.light-rays"));
   return parameters;
@@ -61,7 +64,7 @@ StageSet own_stages(const SettingValues& values, Target, const LightKinds& kinds
       .add(Stage::pilot_set)
       .add(Stage::cut)
       .add(Stage::traced_brdf_rays,
-           kinds.met_by_rays() && (parameters.brdf_share > 0 || parameters.narrow_share > 0))
+           kinds.met_by_rays() && (parameters.brdf_share > 0 || parameters.specular_share > 0))
       .add(Stage::learned_visibility, parameters.visibility);
 }
 
@@ -111,8 +114,8 @@ void Halflight::prepare_round(const FrameView& frame, const PassRequest& request
                               const HalflightParameters& parameters, PassStats& stats) {
   const bool fresh = !lights_;
   if (fresh) {
-    lights_ =
-        std::make_unique<LearnedLights>(frame, parameters.pilot_rays, parameters.punctual_clusters, stats);
+    lights_ = std::make_unique<LearnedLights>(frame, parameters.pilot_rays, parameters.punctual_clusters,
+                                              parameters.environment_clusters, stats);
     has_set_ = false;
   }
   const bool begins_again = has_set_ && request.pass == round_ && request.offset == 0 && request.begins_round;

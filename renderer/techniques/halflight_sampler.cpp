@@ -9,8 +9,9 @@ namespace {
 
 // A lobe below this roughness is a mirror: no light sample finds it.
 constexpr float mirror_alpha = 1e-3f;
-// K clusters that share the sphere have a variance of about 1/K radians² each along an axis.
-constexpr float narrow_lobe = 1;
+// K clusters that share the sphere have a variance of about 1/K radians² each along an axis. A lobe some times
+// as wide still sees each of its pixel's neighbours' light differently.
+constexpr float narrow_lobe = 8;
 constexpr float most_share_beside_punctual = 0.75f;
 /// Between normals of views that share a distribution.
 constexpr float least_cosine = 0.95f;
@@ -112,7 +113,7 @@ void HalflightSampler::look_at_block(TracedWorker& worker, std::span<const uint3
   }
 }
 
-/// A lobe narrower than the clusters is at home in one pixel only.
+/// A lobe hardly wider than the clusters is at home in one pixel only.
 uint32_t HalflightSampler::group_of(const View& view) const {
   const size_t oldest = groups_.size() > most_compared ? groups_.size() - most_compared : 0;
   for (size_t g = groups_.size(); parameters_.share && g-- > oldest;) {
@@ -162,9 +163,9 @@ float HalflightSampler::brdf_share(const GBufferTexel& texel) const {
   float share = parameters_.brdf_share;
   if (is_mirror(brdf)) {
     share = 1;
-  } else if (is_narrow(brdf)) {
+  } else if (brdf.has_specular()) {
     const float specular = specular_probability(brdf, texel.basis(), texel.wo);
-    share = std::max(share, std::min(parameters_.narrow_share, specular));
+    share = std::max(share, std::min(parameters_.specular_share, specular));
   }
   return kinds.punctual ? std::min(share, most_share_beside_punctual) : share;
 }

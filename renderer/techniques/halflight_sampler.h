@@ -11,11 +11,12 @@
 namespace halflight {
 
 struct HalflightParameters {
-  float brdf_share, narrow_share, alpha;
+  float brdf_share, specular_share, alpha;
   bool share;               ///< one distribution for all that is alike in a block
   bool powers, visibility;  ///< whether rounds teach what strata send, and what arrives
   uint32_t position_samples;
   bool punctual_clusters;
+  uint32_t environment_clusters;
   uint32_t pilot_rays, light_rays;
 };
 

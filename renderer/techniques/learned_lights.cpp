@@ -57,7 +57,7 @@ std::vector<Vec3> smoothed_radiances(const LightTree& tree, const std::vector<fl
 }  // namespace
 
 LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, bool punctual_clusters,
-                             PassStats& stats)
+                             uint32_t environment_clusters, PassStats& stats)
     : sources_(*frame.scene, frame.kinds),
       strata_(*frame.scene,
               {frame.kinds.environment, frame.kinds.emitters, frame.kinds.surfaces, frame.kinds.punctual},
@@ -75,6 +75,7 @@ LearnedLights::LearnedLights(const FrameView& frame, uint32_t pilot_rays, bool p
   use_powers();
   CutSettings cut = cut_settings(*frame.settings, !frame.runs(Stage::cut));
   if (punctual_clusters) cut.least_punctual = cut.most;
+  cut.least_environment = environment_clusters;
   cut_ = illumination_cut(tree_, cut);
   leaf_of_.resize(strata_.size());
   for (uint32_t i = 0; i < tree_.original.size(); ++i) leaf_of_[tree_.original[i]] = i;

@@ -20,8 +20,10 @@ class LearnedLights {
 
   /// Makes strata, pilot sets, tree and cut for the frame's scene and kinds of light; `pilot_rays` light a
   /// stratum in all sets of the pilot together. With `punctual_clusters` each punctual light is a cluster of
-  /// its own as far as the cut may go. Rays and stages are counted in the pass.
-  LearnedLights(const FrameView&, uint32_t pilot_rays, bool punctual_clusters, PassStats&);
+  /// its own as far as the cut may go; the environment has at least `environment_clusters`, as far. Rays and
+  /// stages are counted in the pass.
+  LearnedLights(const FrameView&, uint32_t pilot_rays, bool punctual_clusters, uint32_t environment_clusters,
+                PassStats&);
 
   /// Takes what the set in hand has shown into the powers of later rounds; that set is done with.
   void learn();

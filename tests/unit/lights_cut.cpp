@@ -115,6 +115,38 @@ TEST(IlluminationCut, ConstantLightIsCutByPlace) {
   for (uint32_t k = 0; k < cut.size; ++k) EXPECT_LT(cut.radius[k], 0.8f);
 }
 
+// A sky alike all round, and a sun of as much power in one place: the sky is what more clusters tell apart.
+TEST(IlluminationCut, WideEnvironmentsAreCutFinerThanTheirRadiancesAsk) {
+  auto lights = sky_lights(4096, 1, 7);
+  for (auto& light : lights) light.radiance = Vec3(1);
+  const uint32_t sky = static_cast<uint32_t>(lights.size());
+  const Vec3 sun = glm::normalize(Vec3(1, 2, 3));
+  for (uint32_t i = 0; i < 4096; ++i) {
+    VirtualLight light = lights[i];
+    light.position = glm::normalize(sun + 0.01f * light.position);
+    lights.push_back(light);
+  }
+  const LightTree tree = build_light_tree(lights);
+  CutSettings settings;
+  settings.least_environment = 512;
+  const Cut cut = illumination_cut(tree, settings);
+  expect_covers_every_lit_leaf_once(tree, cut);
+  EXPECT_EQ(cut.size, 512u);
+  uint32_t in_the_sun = 0;
+  for (uint32_t k = 0; k < cut.size; ++k) {
+    EXPECT_LT(cut.radius[k], 0.25f);
+    in_the_sun += cut.radius[k] < 0.02f && tree.original[cut.begin[k]] >= sky;
+  }
+  EXPECT_GE(in_the_sun, 1u);
+  EXPECT_LE(in_the_sun, 64u) << "no more than the least of any kind";
+  settings.most = 100;
+  EXPECT_EQ(illumination_cut(tree, settings).size, 100u);
+  // Eight leaves and fewer do not tell how far a cluster extends.
+  settings.most = settings.least_environment = 1u << 20;
+  const Cut finest = illumination_cut(tree, settings);
+  EXPECT_LT(finest.size, lights.size() / 2);
+}
+
 TEST(IlluminationCut, IsTheSameInAnyUnitOfLengthAndLight) {
   const auto lights = mixed_lights(3000, 10, 8);
   const Cut cut = illumination_cut(build_light_tree(lights), {});

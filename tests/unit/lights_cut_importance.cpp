@@ -119,6 +119,31 @@ TEST(CutImportance, FilteredLobesAreNearTheMeanOverTheCluster) {
   }
 }
 
+// One distant cluster seen by a diffuse point, from overhead to half below the horizon and nearly all.
+TEST(CutImportance, CosineIsTheMeanOverTheCluster) {
+  const float extent = 0.3f;
+  for (const float height : {1.5f, 1.0f, 0.4f, 0.15f, 0.0f, -0.15f}) {
+    std::vector<VirtualLight> lights;
+    const Basis around = basis_around({std::cos(height), std::sin(height), 0});
+    RandomStream random(1, 1, 1);
+    for (uint32_t i = 0; i < 4000; ++i) {
+      const Vec2 d = extent * concentric_disk(random.next2());
+      const Vec3 p = glm::normalize(around.to_world({d.x, d.y, 1}));
+      lights.push_back({p, 1e-4f, -p, LightKind::environment, Vec3(1), i});
+    }
+    CutSettings one;
+    one.least = one.most = 1;
+    const Cut cut = illumination_cut(build_light_tree(lights), one);
+    Buffers buffers(cut);
+    analytic_importance(cut, texel_of(ggx(1, 0, Vec2(1)), Vec3(0), {0, 1, 0}, {0, 1, 0}), 0, buffers.spans());
+    double mean = 0;
+    for (const auto& light : lights) mean += std::max(0.0f, light.position.y) / lights.size();
+    const double cosine = buffers.importance[0] / cut.power[0] * pi;
+    EXPECT_GT(cosine, 0.9 * mean) << height;
+    EXPECT_LT(cosine, (height > extent ? 1.05 : 1.6) * mean) << height;
+  }
+}
+
 TEST(CutImportance, GuardFollowsPowerAndDistance) {
   const LightTree tree = build_light_tree(mixed_lights(2000, 10, 2));
   const Cut cut = illumination_cut(tree, {});

@@ -162,7 +162,7 @@ TEST_P(OneDensity, BothWaysToAPointShareItInFull) {
   Session session(c.make ? c.make() : load_scene(c.name, {}, messages), halflight_settings(32, 24), messages);
   const FrameView frame = session.frame();
   PassStats stats;
-  LearnedLights lights(frame, 4, true, stats);
+  LearnedLights lights(frame, 4, true, 512, stats);
   Tally tally;
   for (const uint64_t round : {0u, 5u}) {
     lights.draw_set(frame, round, 1, stats);
@@ -399,9 +399,9 @@ INSTANTIATE_TEST_SUITE_P(
     Extremes, HalflightSettings,
     testing::Values(SettingsCase{"as_it_is", {"lights.count=100"}},
                     SettingsCase{"light_samples_alone",
-                                 {"lights.count=100", "halflight.brdf-share=0", "halflight.narrow-share=0"}},
+                                 {"lights.count=100", "halflight.brdf-share=0", "halflight.specular-share=0"}},
                     SettingsCase{"brdf_rays_alone",
-                                 {"lights.count=100", "halflight.brdf-share=1", "halflight.narrow-share=1"},
+                                 {"lights.count=100", "halflight.brdf-share=1", "halflight.specular-share=1"},
                                  16,
                                  800,
                                  0.02},
@@ -444,7 +444,7 @@ TEST(Halflight, MirrorsShowPunctualLight) {
         const auto technique =
             make_technique(s, "halflight",
                            {"lights.count=10", std::string("halflight.brdf-share=") + share,
-                            std::string("halflight.narrow-share=") + share});
+                            std::string("halflight.specular-share=") + share});
         const PassMoments found = pass_moments(s, *technique, 16, 200);
         EXPECT_GT(truth, 0);
         EXPECT_NEAR(found.mean[0], truth, 4 * found.error(0) + 1e-3 * truth)
