@@ -9,8 +9,8 @@ namespace {
 
 // A lobe below this roughness is a mirror: no light sample finds it.
 constexpr float mirror_alpha = 1e-3f;
-// K clusters that share the sphere have a variance of about 1/K radians² each along an axis. A lobe some times
-// as wide still sees each of its pixel's neighbours' light differently.
+// K clusters that share the sphere have a variance of about 1/K radians² each along an axis. A lobe some
+// times as wide still sees each of its pixel's neighbours' light differently.
 constexpr float narrow_lobe = 8;
 constexpr float most_share_beside_punctual = 0.75f;
 /// Between normals of views that share a distribution.
