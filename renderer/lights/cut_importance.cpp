@@ -30,15 +30,11 @@ struct Seen {
   float guard;
 };
 
-/// v in [0, 1]. The lower bound is arithmetic: with a second comparison compilers see paths through a loop,
-/// and give up on vectors.
-HALFLIGHT_INLINE float clamp_to_unit(float v) {
-  const float high = v < 1.0f ? v : 1.0f;
-  return 0.5f * (high + std::abs(high));
-}
-
-/// v or 0, without a comparison, for the same reason.
+/// v or 0. Arithmetic: with a comparison more compilers see paths through a loop, and give up on vectors.
 HALFLIGHT_INLINE float positive_part(float v) { return 0.5f * (v + std::abs(v)); }
+
+/// v in [0, 1].
+HALFLIGHT_INLINE float clamp_to_unit(float v) { return positive_part(v < 1.0f ? v : 1.0f); }
 
 /// Mean of max(0, c + t) over t in [−e, e], at most 1: (c + e)²/4e where that reaches on both sides of 0.
 HALFLIGHT_INLINE float mean_cosine(float c, float e) {

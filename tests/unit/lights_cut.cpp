@@ -141,7 +141,7 @@ TEST(IlluminationCut, WideEnvironmentsAreCutFinerThanTheirRadiancesAsk) {
   EXPECT_LE(in_the_sun, 64u) << "no more than the least of any kind";
   settings.most = 100;
   EXPECT_EQ(illumination_cut(tree, settings).size, 100u);
-  // Eight leaves and fewer do not tell how far a cluster extends.
+  // Fewer than eight leaves do not tell how far a cluster extends.
   settings.most = settings.least_environment = 1u << 20;
   const Cut finest = illumination_cut(tree, settings);
   EXPECT_LT(finest.size, lights.size() / 2);
