@@ -26,6 +26,14 @@ HALFLIGHT_INLINE void prefetch([[maybe_unused]] const void* address) {
 #endif
 }
 
+/// The same for all of a record that may lie across two cache lines.
+template <class Record>
+HALFLIGHT_INLINE void prefetch_whole(const Record& record) {
+  const char* first = reinterpret_cast<const char*>(&record);
+  prefetch(first);
+  prefetch(first + sizeof(Record) - 1);
+}
+
 /// e^x for x ≤ 0 with a relative error below 3e-7; 0 below −87. Vectorises, and has the same bits on every
 /// machine.
 HALFLIGHT_INLINE float exp_negative(float x) {

@@ -87,28 +87,53 @@ void take_leaves(const LightTree& tree, std::vector<uint32_t>& cut) {
 /// The leaves' shares of their cluster in whole numbers, at least 1 where `weight(leaf)` is not 0;
 /// `cluster_weight(k)` is their sum.
 template <class Weight, class ClusterWeight>
-void fill_leaf_prefix(Cut& cut, size_t leaves, const Weight& weight, const ClusterWeight& cluster_weight) {
-  cut.leaf_prefix.assign(leaves + 1, 0.0);
+std::vector<CutLeaf> leaf_shares(const Cut& cut, size_t count, const Weight& weight,
+                                 const ClusterWeight& cluster_weight) {
+  std::vector<CutLeaf> leaves(count);
   double sum = 0;
   uint32_t leaf = 0;
   for (uint32_t k = 0; k < cut.size; ++k) {
-    for (; leaf < cut.begin[k]; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
+    for (; leaf < cut.begin[k]; ++leaf) leaves[leaf].end = sum;
     const double scale = 0x1p32 / cluster_weight(k);
     for (; leaf < cut.end[k]; ++leaf) {
       const double its_weight = weight(leaf);
-      if (its_weight > 0) sum += std::max(1.0, std::nearbyint(its_weight * scale));
-      cut.leaf_prefix[leaf + 1] = sum;
+      if (its_weight > 0) {
+        const double share = std::max(1.0, std::nearbyint(its_weight * scale));
+        leaves[leaf].inverse_share = static_cast<float>(1 / share);
+        sum += share;
+      }
+      leaves[leaf].end = sum;
     }
   }
-  for (; leaf < leaves; ++leaf) cut.leaf_prefix[leaf + 1] = sum;
+  for (; leaf < count; ++leaf) leaves[leaf].end = sum;
+  return leaves;
 }
 
-/// Starts of searches among the leaves of each cluster.
-void fill_leaf_guide(Cut& cut) {
-  cut.leaf_guide.assign(cut.leaf_prefix.size() - 1, 0);
+/// Slots of a cluster's own: as many as it has leaves.
+LeafRange make_guide(std::vector<CutLeaf>& leaves, uint32_t begin, uint32_t end) {
+  LeafRange range;
+  range.start = range.guide_start = begin > 0 ? leaves[begin - 1].end : 0.0;
+  range.total = leaves[end - 1].end - range.start;
+  const double count = end - begin, step = range.total / count;
+  range.guide_step = count / range.total, range.guide_begin = begin;
+  uint32_t leaf = begin;
+  for (uint32_t slot = begin; slot < end; ++slot) {
+    // A share less than the exact place: what the search computes may be rounded down.
+    const double place = range.start + (slot - begin) * step - 1;
+    while (leaves[leaf].end <= place) ++leaf;
+    leaves[slot].guide = leaf;
+  }
+  return range;
+}
+
+/// The leaves' table, and where each cluster finds its own in it.
+template <class Weight, class ClusterWeight>
+void fill_leaves(Cut& cut, size_t count, const Weight& weight, const ClusterWeight& cluster_weight) {
+  std::vector<CutLeaf> leaves = leaf_shares(cut, count, weight, cluster_weight);
   parallel_for(0, cut.size, 16, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) set_leaf_ranges(cut, static_cast<uint32_t>(k));
+    for (size_t k = begin; k < end; ++k) cut.leaf_range[k] = make_guide(leaves, cut.begin[k], cut.end[k]);
   });
+  cut.leaves = std::make_shared<const std::vector<CutLeaf>>(std::move(leaves));
 }
 
 /// Calls f with each array of clusters and what stands where there is none.
@@ -121,7 +146,7 @@ void for_each_array(const F& f) {
     f(array, 0.0f);
   for (const auto array : {&Cut::measure, &Cut::local, &Cut::normal_spread}) f(array, 1.0f);
   for (const auto array : {&Cut::node, &Cut::begin, &Cut::end}) f(array, 0u);
-  for (const auto array : {&Cut::leaf_start, &Cut::leaf_total}) f(array, 0.0);
+  f(&Cut::leaf_range, LeafRange{});
   f(&Cut::kind, LightKind::surface);
 }
 
@@ -162,17 +187,11 @@ void copy_clusters(const Cut& from, uint32_t begin, uint32_t end, Cut& to, uint3
   });
 }
 
-void set_leaf_ranges(Cut& cut, uint32_t k) {
-  cut.leaf_start[k] = cut.leaf_prefix[cut.begin[k]];
-  cut.leaf_total[k] = cut.leaf_prefix[cut.end[k]] - cut.leaf_start[k];
-  const double step = cut.leaf_total[k] / (cut.end[k] - cut.begin[k]);
-  uint32_t leaf = cut.begin[k];
-  for (uint32_t i = cut.begin[k]; i < cut.end[k]; ++i) {
-    // A share less than the exact place: what the search computes may be rounded down.
-    const double place = cut.leaf_start[k] + (i - cut.begin[k]) * step - 1;
-    while (cut.leaf_prefix[leaf + 1] <= place) ++leaf;
-    cut.leaf_guide[i] = leaf;
-  }
+LeafRange part_of_range(const Cut& cut, const LeafRange& whole, uint32_t begin, uint32_t end) {
+  LeafRange part = whole;
+  part.start = cut.sum_before(begin);
+  part.total = cut.sum_before(end) - part.start;
+  return part;
 }
 
 Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
@@ -193,27 +212,25 @@ Cut illumination_cut(const LightTree& tree, const CutSettings& settings) {
 void refresh_cut(const LightTree& tree, Cut& cut) {
   cut.power_unit = power_unit(tree);
   for (uint32_t k = 0; k < cut.size; ++k) set_cluster(cut, k, tree.nodes[cut.node[k]]);
-  fill_leaf_prefix(
+  fill_leaves(
       cut, tree.lights.size(), [&](uint32_t leaf) { return leaf_power(tree.lights[leaf]); },
       [&](uint32_t k) { return tree.nodes[cut.node[k]].power; });
-  fill_leaf_guide(cut);
 }
 
 double leaf_probability(const Cut& cut, uint32_t k, uint32_t leaf) {
-  return (cut.leaf_prefix[leaf + 1] - cut.leaf_prefix[leaf]) / cut.leaf_total[k];
+  return cut.share(leaf) / cut.leaf_range[k].total;
 }
 
 void weigh_leaves(Cut& cut, std::span<const float> weight) {
-  fill_leaf_prefix(
+  fill_leaves(
       cut, weight.size(), [&](uint32_t leaf) { return static_cast<double>(weight[leaf]); },
       [](uint32_t) { return 1.0; });
-  fill_leaf_guide(cut);
 }
 
 size_t held_bytes(const Cut& cut) {
   size_t bytes = 0;
   for_each_array([&](auto array, auto) { bytes += vector_bytes(cut.*array); });
-  return bytes + vector_bytes(cut.leaf_prefix, cut.leaf_guide);
+  return cut.leaves ? bytes + vector_bytes(*cut.leaves) : bytes;
 }
 
 Aabb local_bounds(const Cut& cut) {
@@ -243,11 +260,10 @@ Cut equal_radiance_cut(const LightTree& tree, const Cut& lit) {
   const auto sane = [](const VirtualLight& light) {
     return light.radiance == Vec3(0) || leaf_power(light) > 0;
   };
-  fill_leaf_prefix(
+  fill_leaves(
       cut, tree.lights.size(),
       [&](uint32_t i) { return sane(tree.lights[i]) ? static_cast<double>(tree.lights[i].measure) : 0.0; },
       [&](uint32_t k) { return static_cast<double>(tree.nodes[cut.node[k]].measure); });
-  fill_leaf_guide(cut);
   return cut;
 }
 

@@ -9,11 +9,11 @@ inline size_t padded_clusters(size_t clusters) { return (clusters + 15) / 16 * 1
 
 /// Grows or shrinks all arrays of clusters; new ones have no power.
 void resize_arrays(Cut&, size_t padded);
-/// Makes cluster k of a node, all but its leaves' tables.
+/// Makes cluster k of a node, all but its leaves' range.
 void set_cluster(Cut&, uint32_t k, const LightNode&);
-/// Clusters [begin, end) of one cut, all but their leaves' guide, to those of another from `to_k` on.
+/// Clusters [begin, end) of one cut to those of another, from `to_k` on, which has the same leaves.
 void copy_clusters(const Cut& from, uint32_t begin, uint32_t end, Cut& to, uint32_t to_k);
-/// Leaves' running sums and guide of cluster k, from `leaf_prefix`.
-void set_leaf_ranges(Cut&, uint32_t k);
+/// Leaves [begin, end) of a cluster, as a cluster of their own.
+LeafRange part_of_range(const Cut&, const LeafRange& whole, uint32_t begin, uint32_t end);
 
 }  // namespace halflight

@@ -65,6 +65,11 @@ double running_sums(double* share, double* block_end, size_t blocks) {
   return total;
 }
 
+/// The slot of the guide that a sum lies in.
+HALFLIGHT_INLINE size_t slot_of(double sum, double slots_per_share) {
+  return static_cast<size_t>(static_cast<int64_t>(sum * slots_per_share));
+}
+
 /// How many of `size` ascending numbers do not exceed `target`.
 template <size_t size>
 HALFLIGHT_INLINE size_t count_not_above(const double* ascending, double target) {
@@ -84,86 +89,92 @@ HALFLIGHT_INLINE size_t find_block(const double* block_end, size_t b, double tar
   return b + count_not_above<block_stride>(block_end + b, target);
 }
 
-/// Where the search for a leaf starts: never behind the leaf it looks for (`Cut::leaf_guide`).
-HALFLIGHT_INLINE size_t guide_slot(const Cut& cut, size_t k, double fraction) {
-  const auto leaves = static_cast<double>(static_cast<int32_t>(cut.end[k] - cut.begin[k]));
-  return cut.begin[k] + static_cast<size_t>(static_cast<int64_t>(fraction * leaves));
-}
-
-// The weight 1/P of a leaf, the same bits for draws and for those who ask.
-HALFLIGHT_INLINE float uniform_weight(double total, double cluster_share, double leaves) {
-  return static_cast<float>(total * leaves / cluster_share);
-}
-HALFLIGHT_INLINE float power_weight(double total, double cluster_share, double sum, double leaf_share) {
-  return static_cast<float>(total * sum / (cluster_share * leaf_share));
-}
-
-double leaf_share_of(const Cut& cut, uint32_t leaf) {
-  return cut.leaf_prefix[leaf + 1] - cut.leaf_prefix[leaf];
+/// 1/P of a leaf with a share of 1 in its cluster, of those that sum up to `sum`: the same bits for draws and
+/// for those who ask.
+HALFLIGHT_INLINE float weight_in_cluster(double total, double cluster_share, double sum) {
+  return static_cast<float>(total * sum / cluster_share);
 }
 
 struct Tables {
   const double *share, *block_end;
-  double total;
-};
-
-/// A draw half done: its cluster, that cluster's share, and what is left of the number, in [0, 1).
-struct ClusterDraw {
-  uint32_t cluster;
-  double share, fraction;
+  const uint32_t* guide;
+  double slots_per_share, total;
 };
 
 constexpr size_t most_in_a_run = 64;
 
-/// Finds the clusters of draws [first, first + count) of `of`; apart from the leaves, so that their look-ups
-/// overlap.
-HALFLIGHT_SIMD_CLONES void draw_clusters(const Cut& cut, const Tables& tables, RandomStream& random,
-                                         size_t first, size_t count, size_t of, ClusterDraw* out) {
-  const double step = tables.total / static_cast<double>(of), last = std::nextafter(tables.total, 0.0);
-  size_t b = 0;
+/// Draws half done: their clusters, those clusters' shares, and what is left of the numbers, in [0, 1).
+struct ClusterDraws {
+  std::array<uint32_t, most_in_a_run> cluster;
+  std::array<double, most_in_a_run> share, fraction;
+};
+
+/// Finds the clusters of draws [first, first + count) of `of`. Step by step for all of them: what one draw
+/// waits for, the processor does of others.
+HALFLIGHT_SIMD_CLONES void draw_clusters(const Tables& tables, RandomStream& random, size_t first,
+                                         size_t count, size_t of, ClusterDraws& out) {
+  const double step = tables.total / static_cast<double>(of);
+  const double last = tables.total * 0x1.fffffffffffffp-1;  // the number before it
+  std::array<double, most_in_a_run> target;
+  std::array<uint32_t, most_in_a_run> in_block;
   for (size_t j = 0; j < count; ++j) {
     const double jitter = static_cast<double>(static_cast<int64_t>(random.next_bits() >> 20)) * 0x1p-44;
-    const double target =
-        std::min((static_cast<double>(static_cast<int64_t>(first + j)) + jitter) * step, last);
-    b = find_block(tables.block_end, b, target);
+    target[j] = std::min((static_cast<double>(static_cast<int64_t>(first + j)) + jitter) * step, last);
+  }
+  for (size_t j = 0; j < count; ++j)
+    in_block[j] = static_cast<uint32_t>(
+        find_block(tables.block_end, tables.guide[slot_of(target[j], tables.slots_per_share)], target[j]));
+  for (size_t j = 0; j < count; ++j) {
+    const size_t b = in_block[j];
     const double* share = tables.share + b * block;
-    const double inside = target - (b > 0 ? tables.block_end[b - 1] : 0.0);
+    const double inside = target[j] - (b > 0 ? tables.block_end[b - 1] : 0.0);
     const size_t below = count_not_above<block>(share, inside);
     const double lower = below > 0 ? share[below - 1] : 0.0;
-    const double cluster_share = share[below] - lower;
-    const size_t k = b * block + below;
-    const double fraction = (inside - lower) / cluster_share;
-    out[j] = {static_cast<uint32_t>(k), cluster_share, fraction};
-    const size_t slot = guide_slot(cut, k, fraction);
-    prefetch(&cut.leaf_guide[slot]);
-    prefetch(&cut.leaf_prefix[slot]);
+    out.cluster[j] = static_cast<uint32_t>(b * block + below);
+    out.share[j] = share[below] - lower;
+    out.fraction[j] = inside - lower;
   }
+  for (size_t j = 0; j < count; ++j) out.fraction[j] /= out.share[j];
 }
 
-/// Picks the leaves with what is left of the numbers, so that strata run along the leaves.
-HALFLIGHT_SIMD_CLONES void draw_leaves(const Cut& cut, const Tables& tables, const ClusterDraw* draws,
-                                       size_t count, LightSample* out) {
-  const double* prefix = cut.leaf_prefix.data();
+/// Picks the leaves with what is left of the numbers, so that strata run along the leaves. Each look-up hangs
+/// on the one before, and all are scattered: one is asked for of all draws before the next is needed.
+void draw_leaves(const Cut& cut, double total, const ClusterDraws& draws, size_t count, LightSample* out) {
+  const CutLeaf* leaves = cut.leaves->data();
+  const LeafRange* ranges = cut.leaf_range.data();
+  std::array<double, most_in_a_run> target;
+  std::array<float, most_in_a_run> cluster_weight;
+  std::array<uint32_t, most_in_a_run> at;
   for (size_t j = 0; j < count; ++j) {
-    const size_t k = draws[j].cluster;
-    const double fraction = draws[j].fraction, start = cut.leaf_start[k], total = cut.leaf_total[k];
+    const LeafRange& range = ranges[draws.cluster[j]];
     // Shares are whole: half below the end falls to the last that is not empty, should the sum be rounded up
     // to it.
-    const double target = std::min(start + fraction * total, start + total - 0.5);
-    size_t leaf = cut.leaf_guide[guide_slot(cut, k, fraction)];
-    while (prefix[leaf + 1] <= target) ++leaf;
-    out[j] = {static_cast<uint32_t>(leaf),
-              power_weight(tables.total, draws[j].share, total, prefix[leaf + 1] - prefix[leaf]),
-              draws[j].cluster};
+    target[j] = std::min(range.start + draws.fraction[j] * range.total, range.start + range.total - 0.5);
+    at[j] = range.guide_begin +
+            static_cast<uint32_t>(static_cast<int32_t>((target[j] - range.guide_start) * range.guide_step));
+    prefetch(&leaves[at[j]]);
+    cluster_weight[j] = weight_in_cluster(total, draws.share[j], range.total);
+  }
+  for (size_t j = 0; j < count; ++j) {
+    at[j] = leaves[at[j]].guide;
+    prefetch(&leaves[at[j]]);
+  }
+  for (size_t j = 0; j < count; ++j) {
+    uint32_t leaf = at[j];
+    // Two steps without a branch: most searches end there, and none can tell after how many.
+    leaf += leaves[leaf].end <= target[j] ? 1 : 0;
+    leaf += leaves[leaf].end <= target[j] ? 1 : 0;
+    while (leaves[leaf].end <= target[j]) ++leaf;
+    out[j] = {leaf, cluster_weight[j] * leaves[leaf].inverse_share, draws.cluster[j]};
   }
 }
 
-void draw_leaves_alike(const Cut& cut, const Tables& tables, const ClusterDraw* draws, size_t count,
+void draw_leaves_alike(const Cut& cut, double total, const ClusterDraws& draws, size_t count,
                        LightSample* out) {
   for (size_t j = 0; j < count; ++j) {
-    const uint32_t begin = cut.begin[draws[j].cluster], leaves = cut.end[draws[j].cluster] - begin;
-    out[j] = {begin + static_cast<uint32_t>(draws[j].fraction * leaves),
-              uniform_weight(tables.total, draws[j].share, leaves), draws[j].cluster};
+    const uint32_t begin = cut.begin[draws.cluster[j]], leaves = cut.end[draws.cluster[j]] - begin;
+    out[j] = {begin + static_cast<uint32_t>(draws.fraction[j] * leaves),
+              weight_in_cluster(total, draws.share[j], leaves), draws.cluster[j]};
   }
 }
 
@@ -184,7 +195,7 @@ bool CutDistribution::build(const Cut& cut, std::span<const float> guard, float 
   HALFLIGHT_CHECK(importance_.size() == padded && (alpha == 0 || guard.size() == padded));
   share_.resize(padded);
   const size_t blocks = padded / block;
-  block_end_.resize(blocks + block_stride);
+  block_end_.resize(blocks + block_stride), guide_.resize(blocks + 1);
 
   std::fill(importance_.begin() + cut.size, importance_.end(), 0.0f);
   const float* guard_or_any = alpha > 0 ? guard.data() : importance_.data();
@@ -206,7 +217,19 @@ bool CutDistribution::build(const Cut& cut, std::span<const float> guard, float 
   std::fill(share_.begin() + cut.size, share_.end(), 0.0);
   total_ = running_sums(share_.data(), block_end_.data(), blocks);
   std::fill(block_end_.begin() + blocks, block_end_.end(), std::numeric_limits<double>::infinity());
-  return total_ > 0;
+  if (!(total_ > 0)) return false;
+  make_guide();
+  return true;
+}
+
+void CutDistribution::make_guide() {
+  const size_t slots = guide_.size() - 1;
+  slots_per_share_ = static_cast<double>(slots) / total_;
+  size_t slot = 0;
+  for (uint32_t b = 0; b < slots; ++b)
+    for (const size_t end = slot_of(block_end_[b], slots_per_share_); slot <= std::min(end, slots); ++slot)
+      guide_[slot] = b;
+  std::fill(guide_.begin() + slot, guide_.end(), static_cast<uint32_t>(slots - 1));
 }
 
 double CutDistribution::cluster_share(uint32_t k) const {
@@ -222,20 +245,22 @@ double CutDistribution::probability(const Cut& cut, uint32_t k, uint32_t leaf) c
 }
 
 float CutDistribution::weight(const Cut& cut, uint32_t k, uint32_t leaf) const {
-  if (rule_ == LeafRule::uniform) return uniform_weight(total_, cluster_share(k), cut.end[k] - cut.begin[k]);
-  return power_weight(total_, cluster_share(k), cut.leaf_total[k], leaf_share_of(cut, leaf));
+  if (rule_ == LeafRule::uniform)
+    return weight_in_cluster(total_, cluster_share(k), cut.end[k] - cut.begin[k]);
+  return weight_in_cluster(total_, cluster_share(k), cut.leaf_range[k].total) *
+         (*cut.leaves)[leaf].inverse_share;
 }
 
 void CutDistribution::draw(const Cut& cut, RandomStream& random, std::span<LightSample> out) const {
-  const Tables tables{share_.data(), block_end_.data(), total_};
-  std::array<ClusterDraw, most_in_a_run> run;
+  const Tables tables{share_.data(), block_end_.data(), guide_.data(), slots_per_share_, total_};
+  ClusterDraws run;
   for (size_t first = 0; first < out.size(); first += most_in_a_run) {
     const size_t count = std::min(most_in_a_run, out.size() - first);
-    draw_clusters(cut, tables, random, first, count, out.size(), run.data());
+    draw_clusters(tables, random, first, count, out.size(), run);
     if (rule_ == LeafRule::uniform)
-      draw_leaves_alike(cut, tables, run.data(), count, out.data() + first);
+      draw_leaves_alike(cut, total_, run, count, out.data() + first);
     else
-      draw_leaves(cut, tables, run.data(), count, out.data() + first);
+      draw_leaves(cut, total_, run, count, out.data() + first);
   }
 }
 

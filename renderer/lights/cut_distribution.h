@@ -47,11 +47,15 @@ class CutDistribution {
 
  private:
   double cluster_share(uint32_t k) const;
+  void make_guide();
 
   std::vector<float> importance_;
   std::vector<double> share_;      ///< running sum inside each block of 16 clusters
   std::vector<double> block_end_;  ///< running sum over blocks
-  double total_ = 0;
+  /// Where the search for a sum's block starts, for each of as many slots of equal share as there are blocks
+  /// (Chen & Asau 1974).
+  std::vector<uint32_t> guide_;
+  double slots_per_share_ = 0, total_ = 0;
   LeafRule rule_ = LeafRule::by_power;
 };
 

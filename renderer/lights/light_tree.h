@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -66,6 +67,23 @@ struct CutSettings {
   bool leaves = false;  ///< no refinement: every lit leaf is a cluster
 };
 
+/// What draws need of a leaf, and of the guide's slot of that number: for even light they are neighbours.
+struct CutLeaf {
+  double end = 0;           ///< running sum of shares after the leaf
+  float inverse_share = 0;  ///< 0 where the share is 0
+  uint32_t guide = 0;       ///< first leaf that can hold a sum of the slot (Chen & Asau 1974)
+
+  bool operator==(const CutLeaf&) const = default;
+};
+
+/// Where draws look for leaves of a cluster. The slot of a sum s is guide_begin + ⌊(s − guide_start)
+/// guide_step⌋; parts of a cluster use its slots.
+struct LeafRange {
+  double start = 0, total = 0;  ///< the sum of shares before the cluster's leaves, and their own
+  double guide_start = 0, guide_step = 0;
+  uint32_t guide_begin = 0;
+};
+
 /// The illumination cut: disjoint clusters that cover every lit leaf, in tree order. Arrays of clusters are
 /// padded to a multiple of 16 with clusters of no power, for SIMD loops.
 struct Cut {
@@ -88,15 +106,15 @@ struct Cut {
   std::vector<float> softening;  ///< a of Φ c'/(r² + a c'): A_k/2π; 0 at infinity; R_k² for punctual lights
   std::vector<float> has_extent;  ///< 1 where a ray can hit the cluster; 0 for punctual lights
 
-  /// Running sum of the leaves' shares before leaf i, size lights + 1. Shares are whole numbers, near 2^32
-  /// Φ_i/Φ_k in cluster k and at least 1 where Φ_i > 0: sums of whole numbers are exact, so that P from
-  /// differences is the probability a search really gives.
-  std::vector<double> leaf_prefix;
-  std::vector<double> leaf_start, leaf_total;  ///< of each cluster: the sum before it, and its own
-  /// Of n leaves of a cluster, entry j: the first leaf that can hold the cluster's sum at (j + ξ)/n. A search
-  /// that starts there goes on by less than a leaf on average (Chen & Asau 1974).
-  std::vector<uint32_t> leaf_guide;
+  /// Of each light. Shares are whole numbers, near 2^32 Φ_i/Φ_k in cluster k and at least 1 where Φ_i > 0:
+  /// sums of whole numbers are exact, so that P from differences is the probability a search really gives.
+  /// Cuts of one tree that differ in their clusters alone have it in common.
+  std::shared_ptr<const std::vector<CutLeaf>> leaves;
+  std::vector<LeafRange> leaf_range;  ///< of each cluster
 
+  /// Sum of the leaves' shares before a leaf.
+  double sum_before(uint32_t leaf) const { return leaf > 0 ? (*leaves)[leaf - 1].end : 0.0; }
+  double share(uint32_t leaf) const { return (*leaves)[leaf].end - sum_before(leaf); }
   size_t padded_size() const { return power.size(); }
 };
 

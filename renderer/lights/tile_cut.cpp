@@ -1,7 +1,6 @@
 #include "lights/tile_cut.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/simd.h"
 #include "lights/cut_arrays.h"
@@ -38,23 +37,10 @@ bool is_near(const LightNode& node, const Aabb& box, float most_reach) {
 
 }  // namespace
 
-TileCut::TileCut(const LightTree& tree, const Cut& base)
-    : tree_(&tree), base_(&base), cut_(base), base_of_leaf_(tree.lights.size(), none) {
-  for (uint32_t k = 0; k < base.size; ++k)
-    std::fill(base_of_leaf_.begin() + base.begin[k], base_of_leaf_.begin() + base.end[k], k);
-  base_of_.resize(base.size);
-  std::iota(base_of_.begin(), base_of_.end(), 0u);
-  placed_at_.resize(base.size + 1);
-  std::iota(placed_at_.begin(), placed_at_.end(), 0u);
-}
+TileCut::TileCut(const LightTree& tree, const Cut& base) : tree_(&tree), base_(&base), cut_(base) {}
 
 const Cut& TileCut::refine(const Aabb& box, float most_reach) {
   const bool was_split = !splits_.empty();
-  for (const Split& split : splits_) {
-    const uint32_t begin = base_->begin[split.cluster], end = base_->end[split.cluster];
-    std::copy(base_->leaf_guide.begin() + begin, base_->leaf_guide.begin() + end,
-              cut_.leaf_guide.begin() + begin);
-  }
   splits_.clear(), parts_.clear();
   find_near(box, most_reach);
   for (const auto& [nearness, k] : near_)
@@ -101,32 +87,22 @@ void TileCut::assemble() {
   cut_.size = 0;
   resize_arrays(cut_, padded_clusters(size));
   cut_.size = size;
-  base_of_.resize(size);
   uint32_t from = 0, to = 0;
   const auto copy_up_to = [&](uint32_t end) {
     copy_clusters(*base_, from, end, cut_, to);
-    for (; from < end; ++from, ++to) base_of_[to] = from, placed_at_[from] = to;
+    to += end - from, from = end;
   };
   for (const Split& split : splits_) {
     copy_up_to(split.cluster);
-    placed_at_[from++] = to;
+    ++from;
     for (uint32_t part = split.first; part < split.last; ++part, ++to) {
+      const LightNode& node = tree_->nodes[parts_[part]];
       cut_.node[to] = parts_[part];
-      set_cluster(cut_, to, tree_->nodes[parts_[part]]);
-      set_leaf_ranges(cut_, to);
-      base_of_[to] = split.cluster;
+      set_cluster(cut_, to, node);
+      cut_.leaf_range[to] = part_of_range(cut_, base_->leaf_range[split.cluster], node.begin, node.end);
     }
   }
   copy_up_to(base_->size);
-  placed_at_[base_->size] = to;
-}
-
-uint32_t TileCut::cluster_of(uint32_t leaf) const {
-  const uint32_t base = base_of_leaf_[leaf];
-  if (base == none) return none;
-  const auto first = cut_.begin.begin() + placed_at_[base], last = cut_.begin.begin() + placed_at_[base + 1];
-  const auto k = static_cast<uint32_t>(std::upper_bound(first, last, leaf) - cut_.begin.begin()) - 1;
-  return k >= placed_at_[base] && leaf < cut_.end[k] ? k : none;
 }
 
 }  // namespace halflight

@@ -11,7 +11,6 @@ namespace halflight {
 /// One thread's. The base cut and its tree must outlive it.
 class TileCut {
  public:
-  static constexpr uint32_t none = 0xffffffffu;
   static constexpr uint32_t most_new = 512;  ///< clusters that splitting may add
 
   TileCut(const LightTree&, const Cut& base);
@@ -21,13 +20,6 @@ class TileCut {
   /// leaves, or `most_new` clusters have been added.
   const Cut& refine(const Aabb& box, float most_reach);
   const Cut& cut() const { return cut_; }
-
-  /// The base cut's cluster that holds cluster k.
-  uint32_t base_of(uint32_t k) const { return base_of_[k]; }
-  /// The base cut's cluster that holds a leaf; `none` where it has none.
-  uint32_t base_of_leaf(uint32_t leaf) const { return base_of_leaf_[leaf]; }
-  /// The cluster of a leaf; `none` where the leaf has no power.
-  uint32_t cluster_of(uint32_t leaf) const;
 
  private:
   /// A base cluster that is split into nodes [first, last) of `parts_`.
@@ -43,9 +35,6 @@ class TileCut {
   const LightTree* tree_;
   const Cut* base_;
   Cut cut_;
-  std::vector<uint32_t> base_of_leaf_;
-  std::vector<uint32_t> base_of_;    ///< of each cluster
-  std::vector<uint32_t> placed_at_;  ///< first cluster of each base cluster, and one past the last
   std::vector<Split> splits_;
   std::vector<uint32_t> parts_, stack_;
   std::vector<float> reach2_;

@@ -1,5 +1,8 @@
 #include "techniques/connection_batch.h"
 
+#include <cstddef>
+#include <cstring>
+
 #include "core/simd.h"
 #include "scene/brdf_batch.h"
 
@@ -8,6 +11,27 @@ namespace halflight {
 namespace {
 
 constexpr size_t lanes = 8;
+
+using FourFloats [[gnu::vector_size(16)]] = float;
+static_assert(offsetof(VirtualLight, measure) == 12 && offsetof(VirtualLight, normal) == 16 &&
+              offsetof(VirtualLight, kind) == 28 && offsetof(VirtualLight, radiance) == 32 &&
+              sizeof(VirtualLight) == 48);
+
+/// Sixteen bytes of four lights become four of each array.
+HALFLIGHT_INLINE void transpose(const std::array<const char*, 4>& rows, size_t offset, float* x, float* y,
+                                float* z, void* w) {
+  std::array<FourFloats, 4> row;
+  for (size_t i = 0; i < 4; ++i) std::memcpy(&row[i], rows[i] + offset, sizeof row[i]);
+  const FourFloats xy01 = __builtin_shufflevector(row[0], row[1], 0, 4, 1, 5),
+                   xy23 = __builtin_shufflevector(row[2], row[3], 0, 4, 1, 5),
+                   zw01 = __builtin_shufflevector(row[0], row[1], 2, 6, 3, 7),
+                   zw23 = __builtin_shufflevector(row[2], row[3], 2, 6, 3, 7);
+  const auto store = [](void* to, FourFloats values) { std::memcpy(to, &values, sizeof values); };
+  store(x, __builtin_shufflevector(xy01, xy23, 0, 1, 4, 5));
+  store(y, __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7));
+  store(z, __builtin_shufflevector(zw01, zw23, 0, 1, 4, 5));
+  if (w) store(w, __builtin_shufflevector(zw01, zw23, 2, 3, 6, 7));
+}
 
 /// The pixel, and directions in its BRDF's frame.
 struct PixelFrame {
@@ -28,8 +52,10 @@ HALFLIGHT_SIMD_CLONES void connect_loop(ConnectionBatch& b, const PixelFrame& pi
   const PixelFrame p = pixel;
 #pragma GCC ivdep
   for (size_t i = 0; i < count; ++i) {
-    const float dx = b.position_x[i] - p.x.x * b.local[i], dy = b.position_y[i] - p.x.y * b.local[i],
-                dz = b.position_z[i] - p.x.z * b.local[i];
+    const float local_light =
+        b.kind[i] == LightKind::surface || b.kind[i] == LightKind::emitter ? 1.0f : 0.0f;
+    const float dx = b.position_x[i] - p.x.x * local_light, dy = b.position_y[i] - p.x.y * local_light,
+                dz = b.position_z[i] - p.x.z * local_light;
     const float r2 = dx * dx + dy * dy + dz * dz;
     const float apart = r2 > 0.0f ? 1.0f : 0.0f;  // a light at the point itself has no direction
     const float r = std::sqrt(r2), inverse = 1.0f / (r2 > 0.0f ? r : 1.0f);
@@ -37,8 +63,8 @@ HALFLIGHT_SIMD_CLONES void connect_loop(ConnectionBatch& b, const PixelFrame& pi
     const float faces = -(b.normal_x[i] * wx + b.normal_y[i] * wy + b.normal_z[i] * wz);
     const float projected = b.measure[i] * (faces > 0.0f ? faces : 0.0f);
     const float seen = projected / (r2 > 0.0f ? r2 + p.bounded * projected : 1.0f);
-    const float omega = b.local[i] > 0.0f ? seen : b.measure[i];
-    b.distance[i] = b.local[i] > 0.0f ? r : b.distance[i];
+    const float omega = local_light > 0.0f ? seen : b.measure[i];
+    b.distance[i] = local_light > 0.0f ? r : b.distance[i];
     b.wi_x[i] = wx, b.wi_y[i] = wy, b.wi_z[i] = wz;
     local.x[i] = p.tangent.x * wx + p.tangent.y * wy + p.tangent.z * wz;
     local.y[i] = p.bitangent.x * wx + p.bitangent.y * wy + p.bitangent.z * wz;
@@ -80,45 +106,46 @@ PixelFrame pixel_frame(const GBufferTexel& texel, const Basis& basis, GeometryTe
           basis.normal,   texel.geometric_normal, term == GeometryTerm::bounded ? 0.5f / pi : 0.0f};
 }
 
-size_t padded(size_t size) { return (size + lanes - 1) / lanes * lanes; }
-
 }  // namespace
 
-void ConnectionBatch::add(const VirtualLight& light, const Scene& scene, Vec3 x, float sample_weight,
-                          uint32_t its_tag, float its_brdf_rays) {
-  const size_t i = size++;
-  const bool is_local = light.kind == LightKind::surface || light.kind == LightKind::emitter;
-  if (light.kind == LightKind::punctual) {
-    // Cones, pictures and ranges are few and branchy: connected here, and then like a direction.
-    const LightConnection link = halflight::connect(light, scene, x, GeometryTerm::exact);
+/// Fills the arrays, up to a multiple of the vector width with copies of the first draw; returns how far.
+size_t ConnectionBatch::gather(const Scene& scene, Vec3 x) {
+  const size_t count = (size + lanes - 1) / lanes * lanes;
+  for (size_t i = size; i < count; ++i) drawn[i] = drawn[0];
+  for (size_t i = 0; i < count; i += 4) {
+    std::array<const char*, 4> rows;
+    for (size_t j = 0; j < 4; ++j) rows[j] = reinterpret_cast<const char*>(drawn[i + j].light);
+    transpose(rows, 0, position_x + i, position_y + i, position_z + i, measure + i);
+    transpose(rows, 16, normal_x + i, normal_y + i, normal_z + i, kind + i);
+    transpose(rows, 32, red + i, green + i, blue + i, nullptr);
+  }
+  bool any_punctual = false;
+  for (size_t i = 0; i < count; ++i) {
+    weight[i] = drawn[i].weight, brdf_rays[i] = drawn[i].brdf_rays, distance[i] = infinity;
+    red[i] *= drawn[i].radiance_scale, green[i] *= drawn[i].radiance_scale;
+    blue[i] *= drawn[i].radiance_scale;
+    any_punctual |= kind[i] == LightKind::punctual;
+  }
+  if (any_punctual) connect_punctual_lights(scene, x);
+  return count;
+}
+
+/// Cones, pictures and ranges are few and branchy: connected one by one, and then like a direction.
+void ConnectionBatch::connect_punctual_lights(const Scene& scene, Vec3 x) {
+  for (size_t i = 0; i < size; ++i) {
+    if (kind[i] != LightKind::punctual) continue;
+    const LightConnection link = halflight::connect(*drawn[i].light, scene, x, GeometryTerm::exact);
+    const Vec3 irradiance = link.irradiance * drawn[i].radiance_scale;
     position_x[i] = link.wi.x, position_y[i] = link.wi.y, position_z[i] = link.wi.z;
-    red[i] = link.irradiance.x, green[i] = link.irradiance.y, blue[i] = link.irradiance.z;
+    red[i] = irradiance.x, green[i] = irradiance.y, blue[i] = irradiance.z;
     distance[i] = link.distance;
     measure[i] = 1;
-  } else {
-    position_x[i] = light.position.x, position_y[i] = light.position.y, position_z[i] = light.position.z;
-    red[i] = light.radiance.x, green[i] = light.radiance.y, blue[i] = light.radiance.z;
-    distance[i] = infinity;
-    measure[i] = light.measure;
-  }
-  normal_x[i] = light.normal.x, normal_y[i] = light.normal.y, normal_z[i] = light.normal.z;
-  local[i] = is_local ? 1.0f : 0.0f;
-  weight[i] = sample_weight;
-  tag[i] = its_tag;
-  brdf_rays[i] = its_brdf_rays;
-}
-
-void ConnectionBatch::pad() {
-  for (size_t i = size; i % lanes != 0; ++i) {
-    for (float* array : {position_x, position_y, position_z, normal_x, normal_y, normal_z, red, green, blue,
-                         measure, weight, local, distance, brdf_rays})
-      array[i] = array[0];
   }
 }
 
-void ConnectionBatch::connect(const GBufferTexel& texel, const Basis& basis, GeometryTerm term) {
-  pad();
-  const size_t count = padded(size);
+void ConnectionBatch::connect(const Scene& scene, const GBufferTexel& texel, const Basis& basis,
+                              GeometryTerm term) {
+  const size_t count = gather(scene, texel.position);
   LocalBatch local_batch;
   LocalBatch& l = local_batch;
   connect_loop(*this, pixel_frame(texel, basis, term), l, count);
@@ -126,10 +153,9 @@ void ConnectionBatch::connect(const GBufferTexel& texel, const Basis& basis, Geo
   multiply_loop(*this, l, count);
 }
 
-void ConnectionBatch::connect_beside_rays(const GBufferTexel& texel, const Basis& basis, GeometryTerm term,
-                                          float light_draws) {
-  pad();
-  const size_t count = padded(size);
+void ConnectionBatch::connect_beside_rays(const Scene& scene, const GBufferTexel& texel, const Basis& basis,
+                                          GeometryTerm term, float light_draws) {
+  const size_t count = gather(scene, texel.position);
   LocalBatch local_batch;
   LocalBatch& l = local_batch;
   alignas(64) float density[capacity];

@@ -210,7 +210,7 @@ void HalflightSampler::share_out(std::span<const View> views, float share, int h
 void HalflightSampler::draw_and_deal(size_t views, RandomStream& random) {
   if (draws_.empty()) return;
   distribution_.draw(lights_.drawn(), random, draws_);
-  for (const LightSample& draw : draws_) prefetch(&lights_.light(draw.light));
+  for (const LightSample& draw : draws_) prefetch_whole(lights_.light(draw.light));
   const size_t total = draws_.size();
   if (views == 1) return std::swap(draws_, dealt_);
   turns_.clear();
@@ -242,11 +242,9 @@ void HalflightSampler::draw_view(TracedWorker& worker, const View& view, size_t 
   for (const LightSample& draw :
        std::span<const LightSample>(dealt_).subspan(begin_[index], samples_[index])) {
     const float learned = lights_.learned_over_drawn(draw.light);
-    VirtualLight light = lights_.light(draw.light);
-    light.radiance *= learned;
-    batch_.add(light, *frame_.scene, view.seen.texel->position, draw.weight / learned, draw.cluster,
-               lights_.met_by_rays(draw.light) ? expected_rays : 0.0f);
-    if (batch_.size == ConnectionBatch::capacity) connect(worker, half, expected_samples);
+    batch_.add({&lights_.light(draw.light), draw.weight / learned, draw.cluster,
+                lights_.met_by_rays(draw.light) ? expected_rays : 0.0f, learned});
+    if (batch_.full()) connect(worker, half, expected_samples);
   }
   if (batch_.size > 0) connect(worker, half, expected_samples);
   if (rays_[index] > 0)
@@ -258,12 +256,13 @@ void HalflightSampler::draw_view(TracedWorker& worker, const View& view, size_t 
 }
 
 void HalflightSampler::connect(TracedWorker& worker, int half, float expected_samples) {
-  batch_.connect_beside_rays(worker.texel(), worker.basis(), GeometryTerm::exact, expected_samples);
+  batch_.connect_beside_rays(*frame_.scene, worker.texel(), worker.basis(), GeometryTerm::exact,
+                             expected_samples);
   for (size_t i = 0; i < batch_.size; ++i) {
     if (!(batch_.matters[i] > 0)) continue;
     VisibilityCount* count = nullptr;
     if (parameters_.visibility) {
-      count = &counts_[batch_.tag[i]];
+      count = &counts_[batch_.drawn[i].tag];
       count = count->drawn < 0xffff ? count : nullptr;
       if (count) ++count->drawn;
     }

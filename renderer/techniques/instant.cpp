@@ -145,14 +145,14 @@ class IndirectGatherer {
   void add_set(TracedWorker& worker, const std::vector<VirtualLight>& set, float weight, int half,
                RandomStream& random) {
     for (const VirtualLight& light : set) {
-      batch_.add(light, *frame_->scene, worker.texel().position, 1, 0);
-      if (batch_.size == ConnectionBatch::capacity) add_batch(worker, weight, half, random);
+      batch_.add({&light, 1});
+      if (batch_.full()) add_batch(worker, weight, half, random);
     }
     if (batch_.size > 0) add_batch(worker, weight, half, random);
   }
 
   void add_batch(TracedWorker& worker, float weight, int half, RandomStream& random) {
-    batch_.connect(worker.texel(), worker.basis(), GeometryTerm::exact);
+    batch_.connect(*frame_->scene, worker.texel(), worker.basis(), GeometryTerm::exact);
     const float weak = parameters_->threshold * sets_->mean_contribution();
     for (size_t i = 0; i < batch_.size; ++i) {
       if (!(batch_.matters[i] > 0)) continue;

@@ -66,39 +66,33 @@ PixelWorker::PixelWorker(const FrameView& frame, const PassRequest& request, Fil
       split_(split_samples(request)),
       exhaustive_(exhaustive),
       term_(frame.geometry_term()) {
-  rays_.reserve(most_rays);
-  waiting_.reserve(most_rays);
+  rays_.resize(most_rays);
+  waiting_.resize(most_rays);
 }
 
-bool PixelWorker::open(uint32_t pixel) {
+void PixelWorker::open(uint32_t pixel) {
   ++stats_.pixels;
   texel_ = &frame_.gbuffer->texels[pixel];
-  const OpenPixel opened{pixel, {}};
-  if (!reflects(*texel_)) {
-    add_to_film(opened);
-    return false;
-  }
   basis_ = texel_->basis();
   origin_ = RayOrigin(*frame_.scene, texel_->position, texel_->geometric_normal);
-  open_[open_count_] = opened;
-  return true;
+  open_[open_count_] = {pixel, {}};
 }
 
-void PixelWorker::add(const LightSample& sample, int half) {
-  batch_.add(frame_.tree->lights[sample.light], *frame_.scene, texel_->position, sample.weight,
-             2 * open_count_ + static_cast<uint32_t>(half));
-  if (batch_.size == ConnectionBatch::capacity) connect();
+void PixelWorker::pass_by(uint32_t pixel) {
+  ++stats_.pixels;
+  add_to_film({pixel, {}});
 }
 
 void PixelWorker::connect() {
-  batch_.connect(*texel_, basis_, term_);
+  batch_.connect(*frame_.scene, *texel_, basis_, term_);
   for (size_t i = 0; i < batch_.size; ++i) {
-    if (!(batch_.matters[i] > 0)) continue;
-    rays_.push_back(shadow_ray(origin_, batch_.wi(i), batch_.distance[i]));
-    waiting_.push_back({batch_.value(i), batch_.tag[i]});
+    // Written in any case and kept where it matters: which do is too hard to guess for a branch.
+    rays_[ray_count_] = shadow_ray_in_front(origin_, batch_.wi(i), batch_.distance[i]);
+    waiting_[ray_count_] = {batch_.value(i), batch_.drawn[i].tag};
+    ray_count_ += batch_.matters[i] > 0 ? 1 : 0;
   }
   batch_.size = 0;
-  if (rays_.size() + ConnectionBatch::capacity > most_rays) trace();
+  if (ray_count_ + ConnectionBatch::capacity > most_rays) trace();
 }
 
 void PixelWorker::end_draws() {
@@ -107,23 +101,23 @@ void PixelWorker::end_draws() {
 
 void PixelWorker::close() {
   ++open_count_;
-  if (rays_.size() >= enough_rays || open_count_ == most_pixels) finish();
+  if (ray_count_ >= enough_rays || open_count_ == most_pixels) finish();
 }
 
 void PixelWorker::trace() {
   const uint64_t start = ticks_now();
-  stats_.useful_rays += rays_.size();
-  if (request_.watch_rays) request_.watch_rays(rays_);
-  frame_.rays->occluded(rays_, frame_.alpha_seed, stats_.rays);
-  for (size_t i = 0; i < rays_.size(); ++i)
-    if (!rays_[i].blocked()) open_[waiting_[i].slot / 2].sum[waiting_[i].slot % 2] += waiting_[i].value;
-  rays_.clear();
-  waiting_.clear();
+  const std::span<ShadowRay> rays(rays_.data(), ray_count_);
+  stats_.useful_rays += rays.size();
+  if (request_.watch_rays) request_.watch_rays(rays);
+  frame_.rays->occluded(rays, frame_.alpha_seed, stats_.rays);
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (!rays[i].blocked()) open_[waiting_[i].slot / 2].sum[waiting_[i].slot % 2] += waiting_[i].value;
+  ray_count_ = 0;
   visibility_ticks_ += ticks_now() - start;
 }
 
 void PixelWorker::finish() {
-  if (!rays_.empty()) trace();
+  if (ray_count_ > 0) trace();
   const uint64_t start = ticks_now();
   for (uint32_t i = 0; i < open_count_; ++i) add_to_film(open_[i]);
   open_count_ = 0;

@@ -69,12 +69,18 @@ class PixelWorker {
   /// With `exhaustive` the samples are summed instead of averaged, and both halves get the same sum.
   PixelWorker(const FrameView&, const PassRequest&, Film&, bool exhaustive);
 
-  /// Starts a pixel. False: no light can be reflected there, and the pixel has got its base alone.
-  bool open(uint32_t pixel);
+  /// Starts a pixel that reflects light.
+  void open(uint32_t pixel);
+  /// A pixel that reflects none: it gets its base alone.
+  void pass_by(uint32_t pixel);
   const GBufferTexel& texel() const { return *texel_; }
 
   /// Light of one member of S, shadowed when its ray has been traced.
-  void add(const LightSample&, int half);
+  void add(const LightSample& sample, int half) {
+    batch_.add(
+        {&frame_.tree->lights[sample.light], sample.weight, 2 * open_count_ + static_cast<uint32_t>(half)});
+    if (batch_.full()) connect();
+  }
 
   /// After the last `add` of a pixel: makes the rays.
   void end_draws();
@@ -121,8 +127,10 @@ class PixelWorker {
   std::array<OpenPixel, most_pixels> open_;
   uint32_t open_count_ = 0;
   ConnectionBatch batch_;
+  // The first `ray_count_` of each wait to be traced.
   std::vector<ShadowRay> rays_;
   std::vector<Waiting> waiting_;
+  size_t ray_count_ = 0;
 
   PassStats stats_;
   double tile_start_ = 0;
@@ -289,46 +297,87 @@ class PixelSampler {
   bool drawable_ = false;
 };
 
+/// Draws of a pixel, for each half of the film.
+struct PixelDraws {
+  uint32_t pixel = 0;
+  bool waits = false;
+  std::array<std::vector<LightSample>, 2> halves;
+};
+
+/// One thread's part of a pass of a technique that draws members of S. What a pixel drew lies scattered over
+/// S, and memory is slow: it is asked for at once, and connected when the next pixel has drawn.
+template <LightSampler Sampler>
+class SampledPixels {
+ public:
+  SampledPixels(const FrameView& frame, const PassRequest& request, Sampler sampler)
+      : frame_(frame), request_(request), sampler_(frame, request, std::move(sampler)) {
+    const std::array<uint32_t, 2> split = split_samples(request);
+    for (PixelDraws& draws : draws_)
+      for (int half = 0; half < 2; ++half) draws.halves[half].resize(split[half]);
+  }
+
+  void render(PixelWorker& worker, std::span<const uint32_t> pixels) {
+    sampler_.in_turn(pixels, [&](uint32_t pixel) { draw(worker, pixel); });
+    connect(worker, draws_[1 - turn_]);
+    worker.finish();
+  }
+
+  void count_stages(StageCounters& counters) const { sampler_.count_stages(counters); }
+
+ private:
+  void draw(PixelWorker& worker, uint32_t pixel) {
+    if (!reflects(frame_.gbuffer->texels[pixel])) return worker.pass_by(pixel);
+    const uint64_t start = ticks_now();
+    RandomStream random = pixel_stream(frame_, request_, pixel);
+    const bool drawable = sampler_.begin(pixel, random);
+    const uint64_t built = ticks_now();
+    worker.distribution_ticks += built - start;
+    if (!drawable) {
+      worker.open(pixel);
+      return worker.close();
+    }
+    PixelDraws& drawn = draws_[turn_];
+    drawn.pixel = pixel, drawn.waits = true;
+    for (std::vector<LightSample>& draws : drawn.halves) {
+      if (!draws.empty()) sampler_.sampler.draw(random, draws);
+      for (const LightSample& draw : draws) prefetch_whole(frame_.tree->lights[draw.light]);
+    }
+    worker.sampling_ticks += ticks_now() - built;
+    turn_ = 1 - turn_;
+    connect(worker, draws_[turn_]);
+  }
+
+  void connect(PixelWorker& worker, PixelDraws& drawn) {
+    if (!drawn.waits) return;
+    drawn.waits = false;
+    const uint64_t start = ticks_now();
+    worker.open(drawn.pixel);
+    // Both halves run along the leaves: side by side their rays stay in the order of the tree.
+    const size_t most = std::max(drawn.halves[0].size(), drawn.halves[1].size());
+    for (size_t j = 0; j < most; ++j)
+      for (int half = 0; half < 2; ++half)
+        if (j < drawn.halves[half].size()) worker.add(drawn.halves[half][j], half);
+    worker.end_draws();
+    worker.sampling_ticks += ticks_now() - start;
+    worker.close();
+  }
+
+  const FrameView& frame_;
+  const PassRequest& request_;
+  PixelSampler<Sampler> sampler_;
+  std::array<PixelDraws, 2> draws_;
+  int turn_ = 0;  ///< whose draws are made next; the other's may wait
+};
+
 /// A pass of a technique that draws members of S.
 template <LightSampler Sampler, class MakeSampler>
 PassStats run_sampler_pass(const FrameView& frame, const PassRequest& request, Film& film,
                            const MakeSampler& make_sampler) {
-  const std::array<uint32_t, 2> split = split_samples(request);
-  struct State : PixelSampler<Sampler> {
-    using PixelSampler<Sampler>::PixelSampler;
-    std::array<std::vector<LightSample>, 2> draws;
-  };
-  const auto make_state = [&] {
-    State state(frame, request, make_sampler());
-    for (int half = 0; half < 2; ++half) state.draws[half].resize(split[half]);
-    return state;
-  };
-  const auto render_pixel = [&](PixelWorker& worker, State& state, uint32_t pixel) {
-    const uint64_t start = ticks_now();
-    if (!worker.open(pixel)) return;
-    RandomStream random = pixel_stream(frame, request, pixel);
-    const bool drawable = state.begin(pixel, random);
-    const uint64_t built = ticks_now();
-    worker.distribution_ticks += built - start;
-    if (drawable) {
-      for (auto& draws : state.draws)
-        if (!draws.empty()) state.sampler.draw(random, draws);
-      for (const auto& draws : state.draws)
-        for (const LightSample& draw : draws) prefetch(&frame.tree->lights[draw.light]);
-      // Both halves run along the leaves: side by side their rays stay in the order of the tree.
-      for (uint32_t j = 0; j < std::max(split[0], split[1]); ++j)
-        for (int half = 0; half < 2; ++half)
-          if (j < split[half]) worker.add(state.draws[half][j], half);
-    }
-    worker.end_draws();
-    worker.sampling_ticks += ticks_now() - built;
-    worker.close();
-  };
-  const auto render_tile = [&](PixelWorker& worker, State& state, std::span<const uint32_t> pixels) {
-    state.in_turn(pixels, [&](uint32_t pixel) { render_pixel(worker, state, pixel); });
-    worker.finish();
-  };
-  return run_tiles(frame, request, film, false, make_state, render_tile);
+  return run_tiles(
+      frame, request, film, false, [&] { return SampledPixels<Sampler>(frame, request, make_sampler()); },
+      [](PixelWorker& worker, SampledPixels<Sampler>& state, std::span<const uint32_t> pixels) {
+        state.render(worker, pixels);
+      });
 }
 
 /// `Technique::inspect` of a sampler over the cut.

@@ -15,7 +15,11 @@ class Reference final : public Technique {
       for (const uint32_t pixel : pixels) {
         // A pixel is long work here; one left out keeps what it has.
         if (request.stop.stop_requested()) break;
-        if (!worker.open(pixel)) continue;
+        if (!reflects(frame.gbuffer->texels[pixel])) {
+          worker.pass_by(pixel);
+          continue;
+        }
+        worker.open(pixel);
         const uint64_t start = ticks_now();
         for (uint32_t i = 0; i < lights.size(); ++i)
           if (leaf_power(lights[i]) > 0) worker.add({i, 1.0f}, 0);

@@ -66,12 +66,12 @@ void SirSampler::weigh() {
   double sum = 0;
   for (size_t first = 0; first < initial_.size(); first += ConnectionBatch::capacity) {
     const size_t count = std::min(ConnectionBatch::capacity, initial_.size() - first);
-    for (size_t i = 0; i < count; ++i) prefetch(&lights[initial_[first + i].light]);
+    for (size_t i = 0; i < count; ++i) prefetch_whole(lights[initial_[first + i].light]);
     for (size_t i = 0; i < count; ++i) {
       const LightSample& sample = initial_[first + i];
-      batch_.add(lights[sample.light], *frame_->scene, texel_->position, sample.weight, 0);
+      batch_.add({&lights[sample.light], sample.weight});
     }
-    batch_.connect(*texel_, basis_, term);
+    batch_.connect(*frame_->scene, *texel_, basis_, term);
     for (size_t i = 0; i < count; ++i) {
       const float w = luminance(batch_.value(i));
       if (batch_.matters[i] > 0 && w > 0) sum += std::min(w, std::numeric_limits<float>::max());

@@ -93,13 +93,20 @@ struct RayOrigin {
   }
 };
 
-/// Ray towards wi, `distance` long (infinity: to the end). The far end stops short of the light's own
-/// surface: by the offset, and by the rounding of a long ray.
-inline ShadowRay shadow_ray(const RayOrigin& from, Vec3 wi, float distance) {
-  const Vec3 origin = glm::dot(from.normal, wi) >= 0 ? from.front : from.back;
+/// Ray from the front towards wi, `distance` long (infinity: to the end). The far end stops short of the
+/// light's own surface: by the offset, and by the rounding of a long ray.
+inline ShadowRay shadow_ray_in_front(const RayOrigin& from, Vec3 wi, float distance) {
   // Of infinity this leaves infinity.
   const float far_distance = std::max(distance * (1 - 0x1p-16f) - 4 * from.epsilon, 0.0f);
-  return {origin.x, origin.y, origin.z, 0, wi.x, wi.y, wi.z, 0, far_distance};
+  return {from.front.x, from.front.y, from.front.z, 0, wi.x, wi.y, wi.z, 0, far_distance};
+}
+
+/// The same from the side of the surface that wi is on.
+inline ShadowRay shadow_ray(const RayOrigin& from, Vec3 wi, float distance) {
+  ShadowRay ray = shadow_ray_in_front(from, wi, distance);
+  if (!(glm::dot(from.normal, wi) >= 0))
+    ray.origin_x = from.back.x, ray.origin_y = from.back.y, ray.origin_z = from.back.z;
+  return ray;
 }
 
 inline ShadowRay shadow_ray(const Scene& scene, Vec3 x, Vec3 geometric_normal, Vec3 wi, float distance) {

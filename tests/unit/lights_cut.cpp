@@ -160,7 +160,7 @@ TEST(IlluminationCut, IsTheSameInAnyUnitOfLengthAndLight) {
     }
     const Cut other = illumination_cut(build_light_tree(scaled), {});
     EXPECT_EQ(cut.node, other.node);
-    EXPECT_EQ(cut.leaf_prefix, other.leaf_prefix);
+    EXPECT_EQ(*cut.leaves, *other.leaves);
   }
 }
 

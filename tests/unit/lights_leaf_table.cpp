@@ -82,7 +82,7 @@ TEST(EqualRadianceCut, KnowsPlacesAndNotTheirLight) {
     double measure = 0;
     for (uint32_t i = blind.begin[k]; i < blind.end[k]; ++i) measure += tree.lights[i].measure;
     for (uint32_t i = blind.begin[k]; i < blind.end[k]; ++i) {
-      const double share = (blind.leaf_prefix[i + 1] - blind.leaf_prefix[i]) / blind.leaf_total[k];
+      const double share = blind.share(i) / blind.leaf_range[k].total;
       ASSERT_NEAR(share, tree.lights[i].measure / measure, 1e-5 / (blind.end[k] - blind.begin[k]));
     }
     if (blind.kind[k] == LightKind::punctual) {

@@ -115,8 +115,8 @@ void check_pixel(const FrameView& frame, const LearnedLights& lights, const GBuf
     // The sample of light, whose radiance does not matter here.
     light.radiance = Vec3(1);
     ConnectionBatch batch;
-    batch.add(light, *frame.scene, texel.position, weight, leaf, rays);
-    batch.connect_beside_rays(texel, texel.basis(), GeometryTerm::exact, samples);
+    batch.add({&light, weight, leaf, rays});
+    batch.connect_beside_rays(*frame.scene, texel, texel.basis(), GeometryTerm::exact, samples);
     const BrdfValue brdf = evaluate_with_pdf(texel.brdf, texel.basis(), texel.wo, link.wi);
     if (!(brdf.f.y > 1e-12f) || !(brdf.pdf > 0)) continue;
     const double omega = light.at_infinity() ? light.measure : light.measure * faces / square(link.distance);
@@ -202,8 +202,8 @@ TEST(ConnectionBesideRays, WithoutRaysItIsTheSampleAlone) {
     constexpr float weight = 30, samples = 5;
     for (const float rays : {0.0f, 3.0f}) {
       ConnectionBatch batch;
-      batch.add(light, scene, texel.position, weight, 0, rays);
-      batch.connect_beside_rays(texel, texel.basis(), GeometryTerm::exact, samples);
+      batch.add({&light, weight, 0, rays});
+      batch.connect_beside_rays(scene, texel, texel.basis(), GeometryTerm::exact, samples);
       // Punctual light has no density that rays share; the rest has 1/(weight Ω).
       double omega = light.kind == LightKind::punctual      ? 1
                      : light.kind == LightKind::environment ? light.measure
