@@ -35,55 +35,72 @@ bool is_near(const LightNode& node, const Aabb& box, float most_reach) {
   return glm::length(extent) > most_reach * glm::length(apart);
 }
 
+/// What draws inside a node add to the variance at a near point, but for cosines: light varies by 1/r² there,
+/// and ∫ (l/r²)² dA over a patch of area A from r on is about l² A/r²; a member of area a is never nearer
+/// than a/2π in effect.
+double variation(const LightNode& node, const Aabb& box) {
+  const Vec3 apart = glm::max(glm::max(box.low - node.high, node.low - box.high), Vec3(0));
+  const double area = node.measure;
+  const double nearest2 = glm::dot(apart, apart) + area / node.count() * (0.5 / pi);
+  return nearest2 > 0 ? square(node.mean_radiance()) * area / nearest2 : 0.0;
+}
+
 }  // namespace
 
 TileCut::TileCut(const LightTree& tree, const Cut& base) : tree_(&tree), base_(&base), cut_(base) {}
 
 const Cut& TileCut::refine(const Aabb& box, float most_reach) {
-  const bool was_split = !splits_.empty();
-  splits_.clear(), parts_.clear();
+  const bool was_split = !parts_.empty();
   find_near(box, most_reach);
-  for (const auto& [nearness, k] : near_)
-    if (parts_.size() < most_new + splits_.size()) split(k, box, most_reach);
-  if (was_split || !splits_.empty()) assemble();
+  split(box, most_reach);
+  if (was_split || !parts_.empty()) assemble();
   return cut_;
 }
 
 void TileCut::find_near(const Aabb& box, float most_reach) {
-  near_.clear();
+  open_.clear();
   reach2_.resize(base_->padded_size());
   reach_loop(*base_, box, reach2_.data(), reach2_.size());
-  for (uint32_t k = 0; k < base_->size; ++k)
-    if (reach2_[k] > most_reach * most_reach && tree_->nodes[base_->node[k]].left >= 0)
-      near_.emplace_back(-reach2_[k], k);
-  std::sort(near_.begin(), near_.end());
+  for (uint32_t k = 0; k < base_->size; ++k) {
+    const LightNode& node = tree_->nodes[base_->node[k]];
+    if (reach2_[k] > most_reach * most_reach && node.left >= 0)
+      open_.push_back({variation(node, box), base_->node[k], k});
+  }
+  std::make_heap(open_.begin(), open_.end());
 }
 
-void TileCut::split(uint32_t base_cluster, const Aabb& box, float most_reach) {
-  const auto first = static_cast<uint32_t>(parts_.size());
-  stack_.assign(1, base_->node[base_cluster]);
-  while (!stack_.empty()) {
-    const uint32_t index = stack_.back();
-    stack_.pop_back();
-    const LightNode& node = tree_->nodes[index];
-    if (!(node.power > 0)) continue;
-    // Parts that wait on the stack will each need a place.
-    const bool full = parts_.size() + stack_.size() + 2 > most_new + splits_.size() + 1;
-    if (node.left >= 0 && !full && is_near(node, box, most_reach)) {
-      stack_.push_back(static_cast<uint32_t>(node.left) + 1);
-      stack_.push_back(static_cast<uint32_t>(node.left));
-    } else {
-      parts_.push_back(index);
+void TileCut::split(const Aabb& box, float most_reach) {
+  parts_.clear();
+  for (uint32_t added = 0; !open_.empty() && added < most_new; ++added) {
+    std::pop_heap(open_.begin(), open_.end());
+    const Part whole = open_.back();
+    open_.pop_back();
+    const auto left = static_cast<uint32_t>(tree_->nodes[whole.node].left);
+    for (const uint32_t child : {left, left + 1}) {
+      const LightNode& node = tree_->nodes[child];
+      if (!(node.power > 0)) continue;
+      const Part part{variation(node, box), child, whole.base_cluster};
+      if (node.left >= 0 && is_near(node, box, most_reach)) {
+        open_.push_back(part);
+        std::push_heap(open_.begin(), open_.end());
+      } else {
+        parts_.push_back(part);
+      }
     }
   }
-  splits_.push_back({base_cluster, first, static_cast<uint32_t>(parts_.size())});
+  for (const Part& part : open_)
+    if (part.node != base_->node[part.base_cluster]) parts_.push_back(part);
+  std::sort(parts_.begin(), parts_.end(), [&](const Part& a, const Part& b) {
+    return tree_->nodes[a.node].begin < tree_->nodes[b.node].begin;
+  });
 }
 
 /// The base cut's clusters with the parts of those that are split in their place.
 void TileCut::assemble() {
-  std::sort(splits_.begin(), splits_.end(),
-            [](const Split& a, const Split& b) { return a.cluster < b.cluster; });
-  const auto size = static_cast<uint32_t>(base_->size + parts_.size() - splits_.size());
+  uint32_t split = 0;
+  for (size_t i = 0; i < parts_.size(); ++i)
+    split += i == 0 || parts_[i].base_cluster != parts_[i - 1].base_cluster ? 1 : 0;
+  const auto size = static_cast<uint32_t>(base_->size + parts_.size() - split);
   cut_.size = 0;
   resize_arrays(cut_, padded_clusters(size));
   cut_.size = size;
@@ -92,15 +109,16 @@ void TileCut::assemble() {
     copy_clusters(*base_, from, end, cut_, to);
     to += end - from, from = end;
   };
-  for (const Split& split : splits_) {
-    copy_up_to(split.cluster);
-    ++from;
-    for (uint32_t part = split.first; part < split.last; ++part, ++to) {
-      const LightNode& node = tree_->nodes[parts_[part]];
-      cut_.node[to] = parts_[part];
-      set_cluster(cut_, to, node);
-      cut_.leaf_range[to] = part_of_range(cut_, base_->leaf_range[split.cluster], node.begin, node.end);
+  for (const Part& part : parts_) {
+    if (part.base_cluster >= from) {
+      copy_up_to(part.base_cluster);
+      ++from;
     }
+    const LightNode& node = tree_->nodes[part.node];
+    cut_.node[to] = part.node;
+    set_cluster(cut_, to, node);
+    cut_.leaf_range[to] = part_of_range(cut_, base_->leaf_range[part.base_cluster], node.begin, node.end);
+    ++to;
   }
   copy_up_to(base_->size);
 }

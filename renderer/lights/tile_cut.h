@@ -16,29 +16,32 @@ class TileCut {
   TileCut(const LightTree&, const Cut& base);
 
   /// The cut for points within `box`, in tree order like the base cut. Clusters that reach further than
-  /// `most_reach` of their distance to the box are split, the nearest first, until none does, they are
-  /// leaves, or `most_new` clusters have been added.
+  /// `most_reach` of their distance to the box are split, those first whose light varies most between places
+  /// inside, until none does, they are leaves, or `most_new` clusters have been added.
   const Cut& refine(const Aabb& box, float most_reach);
   const Cut& cut() const { return cut_; }
 
  private:
-  /// A base cluster that is split into nodes [first, last) of `parts_`.
-  struct Split {
-    uint32_t cluster;
-    uint32_t first, last;
+  /// A node in the place of a base cluster, or of a part of one.
+  struct Part {
+    double variation;
+    uint32_t node, base_cluster;
+
+    bool operator<(const Part& o) const {
+      return variation != o.variation ? variation < o.variation : node > o.node;
+    }
   };
 
   void find_near(const Aabb&, float most_reach);
-  void split(uint32_t base_cluster, const Aabb&, float most_reach);
+  void split(const Aabb&, float most_reach);
   void assemble();
 
   const LightTree* tree_;
   const Cut* base_;
   Cut cut_;
-  std::vector<Split> splits_;
-  std::vector<uint32_t> parts_, stack_;
+  std::vector<Part> open_;   ///< a heap of nodes that may be split
+  std::vector<Part> parts_;  ///< and of those that stay
   std::vector<float> reach2_;
-  std::vector<std::pair<float, uint32_t>> near_;
 };
 
 }  // namespace halflight

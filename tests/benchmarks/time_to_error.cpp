@@ -47,6 +47,8 @@ Run run_once(Session& session, const ErrorGoal& goal, size_t rounds) {
   return run;
 }
 
+using Metric = double ErrorMetrics::*;
+
 ImageRgb mean_of(const std::vector<const ImageRgb*>& pictures) {
   ImageRgb mean(pictures[0]->width, pictures[0]->height);
   for (size_t i = 0; i < mean.pixels.size(); ++i) {
@@ -59,26 +61,26 @@ ImageRgb mean_of(const std::vector<const ImageRgb*>& pictures) {
 
 /// The mean of last pictures; its own error from how much they differ from it: σ²(n − 1)/n, of which it keeps
 /// σ²/n.
-MeanPicture mean_picture(const std::vector<const ImageRgb*>& pictures) {
+MeanPicture mean_picture(const std::vector<const ImageRgb*>& pictures, Metric metric) {
   MeanPicture mean{mean_of(pictures), 0};
   double apart = 0;
-  for (const ImageRgb* picture : pictures) apart += measure_radiance_error(*picture, mean.image).relmse;
+  for (const ImageRgb* picture : pictures) apart += measure_radiance_error(*picture, mean.image).*metric;
   const auto n = static_cast<double>(pictures.size());
   mean.relmse = apart / n / std::max(n - 1, 1.0);
   return mean;
 }
 
-/// relMSE after each round, the mean over the runs.
-std::vector<double> errors_of(const std::vector<Run>& runs) {
+/// The error after each round, the mean over the runs.
+std::vector<double> errors_of(const std::vector<Run>& runs, Metric metric) {
   std::vector<double> errors(runs[0].rounds.size(), 0.0);
   for (size_t r = 0; r < runs.size(); ++r) {
     std::vector<const ImageRgb*> others;
     for (size_t o = 0; o < runs.size(); ++o)
       if (o != r) others.push_back(&runs[o].rounds.back().picture);
-    const MeanPicture reference = mean_picture(others);
+    const MeanPicture reference = mean_picture(others, metric);
     for (size_t i = 0; i < errors.size(); ++i)
       errors[i] +=
-          (measure_radiance_error(runs[r].rounds[i].picture, reference.image).relmse - reference.relmse) /
+          (measure_radiance_error(runs[r].rounds[i].picture, reference.image).*metric - reference.relmse) /
           static_cast<double>(runs.size());
   }
   return errors;
@@ -97,6 +99,23 @@ double rounds_to_goal(const std::vector<double>& errors, double goal) {
   return static_cast<double>(errors.size()) * errors.back() / goal;
 }
 
+/// From the runs' own times; linear in rounds.
+Reached reached_after(double rounds, const std::vector<Run>& runs, uint32_t samples_a_round) {
+  Reached reached{rounds * samples_a_round, 0, 0};
+  const auto n = static_cast<double>(runs.size());
+  for (const Run& run : runs) {
+    const Round& end = run.rounds.back();
+    const double cpu_before = run.rounds.front().cpu_seconds, before = run.prepare_seconds;
+    const auto all_rounds = static_cast<double>(run.rounds.size());
+    // The CPU time of the preparation is what the first round has beyond the mean of those after it.
+    const double cpu_a_round =
+        run.rounds.size() > 1 ? (end.cpu_seconds - cpu_before) / (all_rounds - 1) : cpu_before;
+    reached.seconds += (before + (end.seconds - before) / all_rounds * rounds) / n;
+    reached.cpu_seconds += (cpu_before + cpu_a_round * (rounds - 1)) / n;
+  }
+  return reached;
+}
+
 }  // namespace
 
 TimeToError time_to_error(Session& session, const ErrorGoal& goal) {
@@ -108,25 +127,18 @@ TimeToError time_to_error(Session& session, const ErrorGoal& goal) {
     session.set_settings(settings);
     runs.push_back(run_once(session, goal, r == 0 ? 0 : runs[0].rounds.size()));
   }
+  const auto reached = [&](Metric metric) {
+    return reached_after(rounds_to_goal(errors_of(runs, metric), goal.relmse), runs, goal.samples_a_round);
+  };
   TimeToError result;
-  const double rounds = rounds_to_goal(errors_of(runs), goal.relmse);
-  const auto n = static_cast<double>(runs.size());
+  result.whole = reached(&ErrorMetrics::relmse), result.trimmed = reached(&ErrorMetrics::relmse_trimmed);
   std::vector<const ImageRgb*> last;
   for (const Run& run : runs) {
-    const Round& end = run.rounds.back();
-    const double cpu_before = run.rounds.front().cpu_seconds, before = run.prepare_seconds;
-    const auto all_rounds = static_cast<double>(run.rounds.size());
-    // The CPU time of the preparation is what the first round has beyond the mean of those after it.
-    const double cpu_a_round =
-        run.rounds.size() > 1 ? (end.cpu_seconds - cpu_before) / (all_rounds - 1) : cpu_before;
-    result.prepare_seconds += before / n;
-    result.seconds += (before + (end.seconds - before) / all_rounds * rounds) / n;
-    result.cpu_seconds += (cpu_before + cpu_a_round * (rounds - 1)) / n;
-    last.push_back(&end.picture);
+    result.prepare_seconds += run.prepare_seconds / static_cast<double>(runs.size());
+    last.push_back(&run.rounds.back().picture);
   }
-  result.samples = rounds * goal.samples_a_round;
   result.lights = session.stats().light_count, result.cut = session.stats().cut_size;
-  result.mean = mean_picture(last);
+  result.mean = mean_picture(last, &ErrorMetrics::relmse);
   return result;
 }
 
