@@ -2,6 +2,7 @@
 halflight_unit_test(lights_tree halflight_lights LABELS threaded)
 halflight_unit_test(lights_cut halflight_lights)
 halflight_unit_test(lights_cut_distribution halflight_lights)
+halflight_unit_test(lights_tile_cut halflight_lights)
 halflight_unit_test(lights_leaf_table halflight_lights)
 halflight_unit_test(lights_cut_importance halflight_lights)
 halflight_unit_test(lights_cut_counting halflight_lights)

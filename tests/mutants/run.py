@@ -56,8 +56,9 @@ MUTANTS = [
     ], [HALFLIGHT]),
     ("another-p-discrete", "leaves drawn by power, weighed as if alike", [
         ("renderer/lights/cut_distribution.cpp",
-         "power_weight(tables.total, draws[j].share, total, prefix[leaf + 1] - prefix[leaf])",
-         "uniform_weight(tables.total, draws[j].share, cut.end[k] - cut.begin[k])"),
+         "out[j] = {leaf, cluster_weight[j] * leaves[leaf].inverse_share, draws.cluster[j]};",
+         """const uint32_t k = draws.cluster[j];
+    out[j] = {leaf, weight_in_cluster(total, draws.share[j], cut.end[k] - cut.begin[k]), k};"""),
     ], [DISTRIBUTION, CONTRACT]),
     ("another-p-continuous", "what rays meet is weighed as if leaves were drawn alike", [
         ("renderer/techniques/traced_loop.h", "distribution->probability(lights->cut(), cluster, met->leaf)",
@@ -75,9 +76,12 @@ MUTANTS = [
          "drawn->f * (1 / drawn->pdf * scale_)"),
     ], [HALFLIGHT, TRACED]),
     ("next-leaf", "the search in the running sums is off by one", [
-        ("renderer/lights/cut_distribution.cpp", "    while (prefix[leaf + 1] <= target) ++leaf;\n",
-         "    while (prefix[leaf] <= target && leaf + 1 < cut.end[k]) ++leaf;\n"),
+        ("renderer/lights/cut_distribution.cpp", "    while (leaves[leaf].end <= target[j]) ++leaf;\n",
+         "    leaf = std::min(leaf + 1, cut.end[draws.cluster[j]] - 1);\n"),
     ], [DISTRIBUTION, CONTRACT]),
+    ("part-of-the-whole", "a part of a cluster draws from where the whole begins", [
+        ("renderer/lights/cut.cpp", "  part.start = cut.sum_before(begin);\n", ""),
+    ], [("lights_tile_cut", "*"), CONTRACT]),
 ]
 
 
