@@ -108,7 +108,7 @@ void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::
 void Session::run_pass(uint32_t samples, const PassPart& part, std::stop_token stop) {
   PassRequest request;
   request.samples = samples;
-  request.chosen = part.chosen;
+  request.visits = part.visits;
   request.begins_round = part.first;
   request.stop = std::move(stop);
   impl_->run_pass(std::move(request), part.last);

@@ -60,8 +60,8 @@ struct SessionStats {
 
 /// Some of the pixels, for one of the passes that make up a round together; no pixel is in two of them.
 struct PassPart {
-  std::span<const uint8_t> chosen;  ///< one flag a pixel of the picture
-  bool first = true, last = true;   ///< of its round
+  std::span<const uint16_t> visits;  ///< samples of each pixel of the picture, as in PassRequest
+  bool first = true, last = true;    ///< of its round
 };
 
 /// What a user may change about the light while the geometry stands.
@@ -106,7 +106,7 @@ class Session {
   /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the
   /// frame.
   void run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop = {});
-  /// A pass over chosen pixels; a round may be made of several, each with its own number of samples.
+  /// A pass over chosen pixels, of at most `samples` each; a round may be made of several.
   void run_pass(uint32_t samples, const PassPart&, std::stop_token stop = {});
 
   const Film& film() const;

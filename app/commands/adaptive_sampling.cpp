@@ -80,20 +80,26 @@ double AdaptiveSampler::next_scale() const {
   return scale;
 }
 
-/// One pass for each number of samples that pixels get; the whole twice, once for each half of the film,
-/// where a round fills one.
+/// One pass, in which neighbours share what is made for them. Where rounds redraw S, one for each number of
+/// samples that pixels get, and the whole twice, once for each half of the film.
 bool AdaptiveSampler::run_visits() {
-  const int rounds = session_.plan().redraws ? 2 : 1;
-  const uint32_t a_round = session_.plan().redraws ? 2 : 1;  // halves a visit's samples
+  if (!session_.plan().redraws) {
+    session_.run_pass(*std::max_element(visits_.begin(), visits_.end()), {visits_}, stop_);
+    if (interrupted_or_late()) return false;
+    after_pass();
+    return true;
+  }
+  constexpr int rounds = 2;
   std::vector<uint16_t> levels(visits_);
   std::sort(levels.begin(), levels.end());
   levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   std::erase(levels, uint16_t{0});
   for (int round = 0; round < rounds; ++round) {
     for (size_t i = 0; i < levels.size(); ++i) {
-      std::transform(visits_.begin(), visits_.end(), chosen_.begin(),
-                     [&](uint16_t samples) { return static_cast<uint8_t>(samples == levels[i]); });
-      session_.run_pass(levels[i] / a_round, {chosen_, i == 0, i + 1 == levels.size()}, stop_);
+      std::transform(visits_.begin(), visits_.end(), chosen_.begin(), [&](uint16_t samples) {
+        return static_cast<uint16_t>(samples == levels[i] ? samples / rounds : 0);
+      });
+      session_.run_pass(levels[i] / rounds, {chosen_, i == 0, i + 1 == levels.size()}, stop_);
       if (interrupted_or_late()) return false;
       after_pass();
     }
@@ -104,14 +110,16 @@ bool AdaptiveSampler::run_visits() {
 /// Brings the pixels to one scale; false when it was cut short.
 bool AdaptiveSampler::adapted_round() {
   const Film& film = session_.film();
-  const uint32_t most = session_.plan().redraws ? most_in_a_continuous_visit : most_in_a_visit;
+  const bool redraws = session_.plan().redraws;
+  const uint32_t most = redraws ? most_in_a_continuous_visit : most_in_a_visit;
+  const VisitSizes sizes = redraws ? VisitSizes::powers_of_two : VisitSizes::any;
   double scale = next_scale();
-  while (!allocation_.next_round(film, scale, most, visits_)) scale *= least_step;
+  while (!allocation_.next_round(film, scale, most, sizes, visits_)) scale *= least_step;
   do {
     const double start = clock_.seconds(), samples = film.mean_samples();
     if (!run_visits()) return false;
     seconds_a_sample_ = (clock_.seconds() - start) / (film.mean_samples() - samples);
-  } while (allocation_.next_round(film, scale, most, visits_));
+  } while (allocation_.next_round(film, scale, most, sizes, visits_));
   return true;
 }
 

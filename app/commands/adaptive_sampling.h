@@ -32,7 +32,7 @@ class AdaptiveSampler {
   uint32_t uniform_ = 0;          ///< samples a pixel of uniform passes
   double seconds_a_sample_ = 0;   ///< of the whole picture, as last measured
   std::vector<uint16_t> visits_;  ///< samples of each pixel in the round in hand
-  std::vector<uint8_t> chosen_;
+  std::vector<uint16_t> chosen_;  ///< those of them in the pass in hand
 };
 
 }  // namespace halflight

@@ -15,6 +15,9 @@
 
 namespace halflight {
 
+/// Powers of two where each number of samples is a pass of its own.
+enum class VisitSizes { any, powers_of_two };
+
 class SampleAllocation {
  public:
   SampleAllocation() = default;
@@ -34,10 +37,10 @@ class SampleAllocation {
   /// relMSE expected of a scale's picture; of the picture so far: 0.
   double expected_relmse(const Film&, double scale) const;
 
-  /// Samples that each pixel gets in the next round towards a scale: none, or a power of two up to `most`.
-  /// True where any gets some. A visit costs as much as several samples: pixels wait until they lack enough
-  /// to be worth one.
-  bool next_round(const Film&, double scale, uint32_t most, std::vector<uint16_t>& samples) const;
+  /// Samples that each pixel gets in the next round towards a scale: none, or a number up to `most`. True
+  /// where any gets some. A visit costs as much as several samples: pixels wait until they lack enough to be
+  /// worth one.
+  bool next_round(const Film&, double scale, uint32_t most, VisitSizes, std::vector<uint16_t>& samples) const;
 
  private:
   double mean_samples(const Film&, double scale) const;

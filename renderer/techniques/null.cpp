@@ -18,7 +18,7 @@ class Null final : public Technique {
         if (y % request.stride != first_y) continue;
         for (uint32_t x = first_x; x < width; x += request.stride)
           if (const uint32_t pixel = y * width + x; request.samples_pixel(pixel))
-            film.add(pixel, half, (*frame.base)[pixel], request.samples);
+            film.add(pixel, half, (*frame.base)[pixel], request.samples_at(pixel));
       }
     });
     PassStats stats;

@@ -67,9 +67,6 @@ class Path final : public Technique {
     Stopwatch watch;
     const PixelSubset subset(film, request);
     // Unless one half takes all, each takes its part.
-    std::array<uint32_t, 2> samples{request.samples - request.samples / 2, request.samples / 2};
-    if (request.half) samples[*request.half] = request.samples, samples[1 - *request.half] = 0;
-
     PassStats stats;
     std::mutex mutex;
     parallel_for(0, subset.rows(), 1, [&](size_t begin, size_t end) {
@@ -83,7 +80,7 @@ class Path final : public Technique {
         for (uint32_t column = 0; column < subset.columns(); ++column) {
           const uint32_t x = subset.x(column), y = subset.y(row);
           if (!request.samples_pixel(y * subset.width + x)) continue;
-          render_pixel(frame, request, samples, x, y, tracer, film);
+          render_pixel(frame, request, x, y, tracer, film);
           ++local.pixels;
         }
       }
@@ -99,11 +96,13 @@ class Path final : public Technique {
   }
 
  private:
-  static void render_pixel(const FrameView& frame, const PassRequest& request,
-                           std::array<uint32_t, 2> samples, uint32_t x, uint32_t y, PathTracer& tracer,
-                           Film& film) {
+  static void render_pixel(const FrameView& frame, const PassRequest& request, uint32_t x, uint32_t y,
+                           PathTracer& tracer, Film& film) {
     constexpr uint64_t own_numbers = 0x70617468;  // other techniques draw from the same seeds
     const uint32_t pixel = y * static_cast<uint32_t>(film.width()) + x;
+    const uint32_t count = request.samples_at(pixel);
+    std::array<uint32_t, 2> samples{count - count / 2, count / 2};
+    if (request.half) samples[*request.half] = count, samples[1 - *request.half] = 0;
     RandomStream random(pixel, request.pass, hash_combine(frame.seed, own_numbers));
     for (int half = 0; half < 2; ++half) {
       if (samples[half] == 0) continue;

@@ -26,7 +26,11 @@ uint32_t compact_bits(uint32_t code) {
 }  // namespace
 
 std::array<uint32_t, 2> split_samples(const PassRequest& request) {
-  const uint32_t n = std::max(request.samples, 1u);
+  return split_samples(request, request.samples);
+}
+
+std::array<uint32_t, 2> split_samples(const PassRequest& request, uint32_t samples) {
+  const uint32_t n = std::max(samples, 1u);
   if (request.half) return *request.half == 0 ? std::array{n, 0u} : std::array{0u, n};
   if (n == 1) return request.pass % 2 == 0 ? std::array{1u, 0u} : std::array{0u, 1u};
   return {n - n / 2, n / 2};
@@ -60,12 +64,7 @@ Aabb PixelGroups::points_of(glm::uvec2 block) const {
 }
 
 PixelWorker::PixelWorker(const FrameView& frame, const PassRequest& request, Film& film, bool exhaustive)
-    : frame_(frame),
-      request_(request),
-      film_(film),
-      split_(split_samples(request)),
-      exhaustive_(exhaustive),
-      term_(frame.geometry_term()) {
+    : frame_(frame), request_(request), film_(film), exhaustive_(exhaustive), term_(frame.geometry_term()) {
   rays_.resize(most_rays);
   waiting_.resize(most_rays);
 }
@@ -75,12 +74,16 @@ void PixelWorker::open(uint32_t pixel) {
   texel_ = &frame_.gbuffer->texels[pixel];
   basis_ = texel_->basis();
   origin_ = RayOrigin(*frame_.scene, texel_->position, texel_->geometric_normal);
-  open_[open_count_] = {pixel, {}};
+  open_[open_count_] = opened(pixel);
 }
 
 void PixelWorker::pass_by(uint32_t pixel) {
   ++stats_.pixels;
-  add_to_film({pixel, {}});
+  add_to_film(opened(pixel));
+}
+
+PixelWorker::OpenPixel PixelWorker::opened(uint32_t pixel) {
+  return {pixel, split_samples(request_, request_.samples_at(pixel)), {}};
 }
 
 void PixelWorker::connect() {
@@ -128,9 +131,10 @@ void PixelWorker::add_to_film(const OpenPixel& pixel) {
   const Vec3 base = frame_.base ? (*frame_.base)[pixel.index] : Vec3(0);
   const Vec3d throughput(frame_.gbuffer->texels[pixel.index].throughput);
   for (int half = 0; half < 2; ++half) {
-    if (split_[half] == 0) continue;
-    const Vec3d mean = exhaustive_ ? pixel.sum[0] : pixel.sum[half] / static_cast<double>(split_[half]);
-    film_.add(pixel.index, half, base + Vec3(throughput * mean), split_[half]);
+    if (pixel.samples[half] == 0) continue;
+    const Vec3d mean =
+        exhaustive_ ? pixel.sum[0] : pixel.sum[half] / static_cast<double>(pixel.samples[half]);
+    film_.add(pixel.index, half, base + Vec3(throughput * mean), pixel.samples[half]);
   }
 }
 

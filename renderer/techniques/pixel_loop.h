@@ -56,8 +56,9 @@ concept CountsStages = requires(const S& sampler, StageCounters& counters) {
   sampler.count_stages(counters);
 };
 
-/// How many of a pass's samples each half of the film gets.
+/// How many of a pixel's samples each half of the film gets; without `samples`, of as many as a pass has.
 std::array<uint32_t, 2> split_samples(const PassRequest&);
+std::array<uint32_t, 2> split_samples(const PassRequest&, uint32_t samples);
 
 /// Time stamps cheap enough to take several times a pixel; a tile's wall-clock time gives their unit.
 uint64_t ticks_now();
@@ -104,6 +105,7 @@ class PixelWorker {
 
   struct OpenPixel {
     uint32_t index;
+    std::array<uint32_t, 2> samples;
     std::array<Vec3d, 2> sum;
   };
   struct Waiting {
@@ -111,6 +113,7 @@ class PixelWorker {
     uint32_t slot;  ///< 2 · open pixel + half
   };
 
+  OpenPixel opened(uint32_t pixel);
   void connect();
   void trace();
   void add_to_film(const OpenPixel&);
@@ -118,7 +121,6 @@ class PixelWorker {
   const FrameView& frame_;
   const PassRequest& request_;
   Film& film_;
-  std::array<uint32_t, 2> split_;
   bool exhaustive_;
   GeometryTerm term_;
 
@@ -314,7 +316,7 @@ class SampledPixels {
       : frame_(frame), request_(request), sampler_(frame, request, std::move(sampler)) {
     const std::array<uint32_t, 2> split = split_samples(request);
     for (PixelDraws& draws : draws_)
-      for (int half = 0; half < 2; ++half) draws.halves[half].resize(split[half]);
+      for (int half = 0; half < 2; ++half) draws.halves[half].reserve(split[half]);
   }
 
   void render(PixelWorker& worker, std::span<const uint32_t> pixels) {
@@ -339,7 +341,10 @@ class SampledPixels {
     }
     PixelDraws& drawn = draws_[turn_];
     drawn.pixel = pixel, drawn.waits = true;
-    for (std::vector<LightSample>& draws : drawn.halves) {
+    const std::array<uint32_t, 2> split = split_samples(request_, request_.samples_at(pixel));
+    for (int half = 0; half < 2; ++half) {
+      std::vector<LightSample>& draws = drawn.halves[half];
+      draws.resize(split[half]);
       if (!draws.empty()) sampler_.sampler.draw(random, draws);
       for (const LightSample& draw : draws) prefetch_whole(frame_.tree->lights[draw.light]);
     }

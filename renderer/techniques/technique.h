@@ -91,14 +91,16 @@ struct PassRequest {
   std::optional<int> half;  ///< 0 or 1: all samples to that half; none: split
   uint32_t stride = 1;      ///< 1, 2 or 4
   uint32_t offset = 0;      ///< which of the stride² interleaved subsets
-  /// Where not empty, one flag a pixel of the picture: only those that have one are sampled.
-  std::span<const uint8_t> chosen{};
+  /// Where not empty, how many samples each pixel of the picture gets: `samples` or fewer, or none. Where S
+  /// or the pixel grid is redrawn, all that get any get `samples`.
+  std::span<const uint16_t> visits{};
   bool begins_round = true;  ///< false: goes on with the round `pass`, at pixels that it has not had yet
   std::stop_token stop{};
   /// Benchmarks: sees each batch of visibility rays before it is traced, from any thread.
   std::function<void(std::span<const ShadowRay>)> watch_rays{};
 
-  bool samples_pixel(uint32_t pixel) const { return chosen.empty() || chosen[pixel] != 0; }
+  uint32_t samples_at(uint32_t pixel) const { return visits.empty() ? samples : visits[pixel]; }
+  bool samples_pixel(uint32_t pixel) const { return visits.empty() || visits[pixel] > 0; }
 };
 
 struct PassStats {
