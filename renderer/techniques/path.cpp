@@ -66,7 +66,6 @@ class Path final : public Technique {
     HALFLIGHT_CHECK(frame.camera);
     Stopwatch watch;
     const PixelSubset subset(film, request);
-    // Unless one half takes all, each takes its part.
     PassStats stats;
     std::mutex mutex;
     parallel_for(0, subset.rows(), 1, [&](size_t begin, size_t end) {
@@ -101,6 +100,7 @@ class Path final : public Technique {
     constexpr uint64_t own_numbers = 0x70617468;  // other techniques draw from the same seeds
     const uint32_t pixel = y * static_cast<uint32_t>(film.width()) + x;
     const uint32_t count = request.samples_at(pixel);
+    // Unless one half takes all, each takes its part.
     std::array<uint32_t, 2> samples{count - count / 2, count / 2};
     if (request.half) samples[*request.half] = count, samples[1 - *request.half] = 0;
     RandomStream random(pixel, request.pass, hash_combine(frame.seed, own_numbers));

@@ -100,7 +100,7 @@ class PixelWorker {
 
  private:
   static constexpr uint32_t most_pixels = 64;
-  // The longer a stream, the fuller its packets of one octant: 1024 rays take 2 % less than 512.
+  // The longer a stream, the fuller its packets of one octant: 1024 rays take up to 2 % less than 512.
   static constexpr size_t enough_rays = 1024, most_rays = 2048;
 
   struct OpenPixel {
