@@ -65,20 +65,21 @@ std::vector<UVec3> probe_cells(const RayGrid& grid, size_t most, size_t& total) 
   return cells;
 }
 
-/// What surrounds a point.
-struct Surroundings {
-  float front_share = 0;  ///< of all directions
-  float clearance = 0;    ///< nearest surface in any of them
-};
+/// Distance to the nearest surface around a point.
+float clearance(const RayGrid& grid, Vec3 p) {
+  float nearest = infinity;
+  for (int i = 0; i < probe_directions; ++i)
+    nearest = std::min(nearest, grid.cast(p, lattice_direction(i, probe_directions)).distance);
+  return nearest;
+}
 
-Surroundings surroundings(const RayGrid& grid, Vec3 p) {
-  Surroundings result{0, infinity};
-  for (int i = 0; i < probe_directions; ++i) {
-    const RayGrid::Hit hit = grid.cast(p, lattice_direction(i, probe_directions));
-    result.front_share += hit.front ? 1.0f / probe_directions : 0.0f;
-    result.clearance = std::min(result.clearance, hit.distance);
-  }
-  return result;
+/// Whether a point is enclosed; most are seen not to be after a few directions.
+bool is_enclosed(const RayGrid& grid, Vec3 p) {
+  constexpr int most_others = static_cast<int>((1 - enclosed_share) * probe_directions);
+  int others = 0;
+  for (int i = 0; i < probe_directions && others <= most_others; ++i)
+    others += !grid.cast(p, lattice_direction(i, probe_directions)).front;
+  return others <= most_others;
 }
 
 /// Centres of the probed cells that are enclosed; empty where they are too few for a room.
@@ -88,7 +89,7 @@ std::vector<Vec3> enclosed_points(const RayGrid& grid) {
   std::vector<uint8_t> enclosed(cells.size());
   parallel_for(0, cells.size(), 16, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      enclosed[i] = surroundings(grid, grid.cell_centre(cells[i])).front_share >= enclosed_share;
+      enclosed[i] = is_enclosed(grid, grid.cell_centre(cells[i]));
     }
   });
   std::vector<Vec3> points;
@@ -250,10 +251,8 @@ std::vector<Eye> standing_places(const RayGrid& grid) {
   std::vector<Eye> kept;
   const size_t step = eyes.size() / most_eyes + 1;
   for (size_t i = 0; i < eyes.size(); i += step) {
-    const Surroundings around = surroundings(grid, eyes[i].position);
-    if (around.front_share >= enclosed_share && around.clearance >= 0.12f * eyes[i].room_height) {
-      kept.push_back(eyes[i]);
-    }
+    const Vec3 p = eyes[i].position;
+    if (is_enclosed(grid, p) && clearance(grid, p) >= 0.12f * eyes[i].room_height) kept.push_back(eyes[i]);
   }
   return kept;
 }

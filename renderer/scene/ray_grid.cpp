@@ -1,7 +1,7 @@
 #include "scene/ray_grid.h"
 
+#include <atomic>
 #include <numeric>
-#include <utility>
 
 #include "core/parallel.h"
 
@@ -10,10 +10,9 @@ namespace halflight {
 namespace {
 
 constexpr uint32_t cells_along_longest = 48;
-constexpr size_t most_references = 20'000'000;  // of triangles by cells
-constexpr size_t most_triangles = 4'000'000;    // of larger scenes every n-th is taken
-constexpr size_t pieces = 4;                    // that triangles are visited in
-constexpr uint32_t crowded = 96;                // triangles that make a cell solid
+constexpr size_t most_cells = 20'000'000;     // looked at for all triangles; more make the grid coarser
+constexpr size_t most_triangles = 4'000'000;  // of larger scenes every n-th is taken
+constexpr uint32_t crowded = 96;              // triangles that make a cell solid
 
 /// Cells a triangle's box meets.
 struct CellRange {
@@ -24,7 +23,8 @@ struct CellRange {
   }
 };
 
-UVec3 clamp_cell(Vec3 p, UVec3 size) { return UVec3(glm::clamp(glm::floor(p), Vec3(0), Vec3(size) - 1.0f)); }
+/// Of a point in grid units, those outside moved in.
+UVec3 clamp_cell(Vec3 p, UVec3 size) { return UVec3(glm::clamp(p, Vec3(0), Vec3(size) - 1.0f)); }
 
 CellRange cell_range(const std::array<Vec3, 3>& p, UVec3 size) {
   return {clamp_cell(glm::min(p[0], glm::min(p[1], p[2])), size),
@@ -56,9 +56,16 @@ float intersect_triangle(const std::array<Vec3, 3>& p, Vec3 origin, Vec3 directi
 
 RayGrid::RayGrid(const Scene& scene) : scene_(&scene) {
   low_ = scene.bounds.empty() ? Vec3(0) : scene.bounds.low;
-  stride_ = static_cast<uint32_t>(scene.triangles.size() / most_triangles) + 1;
-  choose_size(scene);
-  fill(scene);
+  const Vec3 extent = scene.bounds.extent();
+  const float longest = max_component(extent);
+  std::array<Piece, pieces> triangles;
+  for (uint32_t along = cells_along_longest;; along /= 2) {
+    cell_ = longest > 0 ? longest / static_cast<float>(along) : 1;
+    cells_per_unit_ = 1 / cell_;
+    size_ = glm::clamp(UVec3(glm::ceil(extent / cell_)), UVec3(1), UVec3(along));
+    if (find_cells(along == 1, triangles)) break;
+  }
+  fill(triangles);
 }
 
 std::array<Vec3, 3> RayGrid::grid_triangle(uint32_t triangle) const {
@@ -67,93 +74,76 @@ std::array<Vec3, 3> RayGrid::grid_triangle(uint32_t triangle) const {
           to_grid(scene_->vertices[t.z].position)};
 }
 
-/// Calls `visit(piece, triangle)` for the triangles that are taken: pieces run in parallel, each in order,
-/// and are the same for any number of threads.
-template <class Visit>
-void RayGrid::for_each_piece(const Scene& scene, const Visit& visit) const {
-  const size_t taken = (scene.triangles.size() + stride_ - 1) / stride_;
-  parallel_for(0, pieces, 1, [&](size_t first, size_t last) {
-    for (size_t piece = first; piece < last; ++piece)
-      for (size_t i = taken * piece / pieces; i < taken * (piece + 1) / pieces; ++i)
-        visit(piece, static_cast<uint32_t>(i * stride_));
-  });
-}
-
-void RayGrid::choose_size(const Scene& scene) {
-  const Vec3 extent = scene.bounds.extent();
-  const float longest = max_component(extent);
-  for (uint32_t along = cells_along_longest;; along /= 2) {
-    cell_ = longest > 0 ? longest / static_cast<float>(along) : 1;
-    size_ = glm::clamp(UVec3(glm::ceil(extent / cell_)), UVec3(1), UVec3(along));
-    if (along == 1) return;
-    std::array<size_t, pieces> counts{};
-    for_each_piece(scene, [&](size_t piece, uint32_t i) {
-      counts[piece] += cell_range(grid_triangle(i), size_).count();
-    });
-    const size_t references = std::accumulate(counts.begin(), counts.end(), size_t{0});
-    if (references <= most_references) return;
-  }
-}
-
-/// Calls `visit(cell, normal)` for each cell a triangle may meet; the normal is in grid units, twice the
-/// area.
-template <class Visit>
-void RayGrid::for_each_cell(uint32_t triangle, const Visit& visit) const {
+/// Adds the cells that a triangle may meet; returns how many were looked at.
+size_t RayGrid::find_cells_of(uint32_t triangle, Piece& piece) const {
   const std::array<Vec3, 3> p = grid_triangle(triangle);
   const CellRange range = cell_range(p, size_);
   const Vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-  if (range.low == range.high) {
-    visit(index(range.low), normal);
-    return;
-  }
+  const auto add = [&](UVec3 c) {
+    const auto cell = static_cast<uint32_t>(index(c));
+    piece.references.push_back({cell, triangle});
+    piece.normal_sum[cell] += normal;
+  };
+  if (range.low == range.high) return add(range.low), 1;
   const float offset = glm::dot(normal, p[0]);
   UVec3 c;
-  for (c.z = range.low.z; c.z <= range.high.z; ++c.z) {
-    for (c.y = range.low.y; c.y <= range.high.y; ++c.y) {
-      for (c.x = range.low.x; c.x <= range.high.x; ++c.x) {
-        if (plane_meets_cell(normal, offset, Vec3(c) + 0.5f)) visit(index(c), normal);
-      }
-    }
-  }
+  for (c.z = range.low.z; c.z <= range.high.z; ++c.z)
+    for (c.y = range.low.y; c.y <= range.high.y; ++c.y)
+      for (c.x = range.low.x; c.x <= range.high.x; ++c.x)
+        if (plane_meets_cell(normal, offset, Vec3(c) + 0.5f)) add(c);
+  return range.count();
 }
 
-void RayGrid::fill(const Scene& scene) {
-  const size_t cells = static_cast<size_t>(size_.x) * size_.y * size_.z;
-  // Counts first, then places: both visit the same cells.
-  struct Piece {
-    std::vector<uint32_t> next;
-    std::vector<Vec3> normal_sum;
-  };
-  std::array<Piece, pieces> all;
-  for (Piece& piece : all) piece = {std::vector<uint32_t>(cells, 0), std::vector<Vec3>(cells, Vec3(0))};
-  for_each_piece(scene, [&](size_t piece, uint32_t triangle) {
-    for_each_cell(triangle, [&](size_t cell, Vec3 normal) {
-      ++all[piece].next[cell];
-      all[piece].normal_sum[cell] += normal;
-    });
-  });
-  begin_.assign(cells + 1, 0);
-  normal_sum_.assign(cells, Vec3(0));
-  uint32_t sum = 0;
-  for (size_t cell = 0; cell < cells; ++cell) {
-    begin_[cell] = sum;
-    for (Piece& piece : all) {
-      sum += std::exchange(piece.next[cell], sum);
-      normal_sum_[cell] += piece.normal_sum[cell];
+/// The cells of all triangles that are taken, in pieces that run in parallel and are the same for any number
+/// of threads. False where that takes too much and need not be `done`.
+bool RayGrid::find_cells(bool done, std::array<Piece, pieces>& triangles) const {
+  const size_t all = scene_->triangles.size(), stride = all / most_triangles + 1;
+  const size_t taken = (all + stride - 1) / stride;
+  std::atomic<bool> few = true;
+  parallel_for(0, pieces, 1, [&](size_t first, size_t last) {
+    for (size_t k = first; k < last; ++k) {
+      Piece& piece = triangles[k];
+      const size_t begin = taken * k / pieces, end = taken * (k + 1) / pieces;
+      piece.references.clear(), piece.references.reserve(end - begin);
+      piece.normal_sum.assign(cells(), Vec3(0));
+      size_t looked_at = 0;
+      for (size_t i = begin; i < end && (done || looked_at <= most_cells / pieces); ++i)
+        looked_at += find_cells_of(static_cast<uint32_t>(i * stride), piece);
+      if (looked_at > most_cells / pieces) few = false;
     }
-  }
-  begin_[cells] = sum;
-  triangles_.resize(sum);
-  for_each_piece(scene, [&](size_t piece, uint32_t triangle) {
-    for_each_cell(triangle, [&](size_t cell, Vec3) { triangles_[all[piece].next[cell]++] = triangle; });
   });
+  return few || done;
+}
+
+void RayGrid::fill(const std::array<Piece, pieces>& triangles) {
+  std::vector<uint32_t> next(cells() + 1, 0);
+  normal_sum_.assign(cells(), Vec3(0));
+  for (const Piece& piece : triangles) {
+    for (const Reference& reference : piece.references) ++next[reference.cell];
+    for (size_t cell = 0; cell < cells(); ++cell) normal_sum_[cell] += piece.normal_sum[cell];
+  }
+  // A solid cell's triangles are not listed.
+  kinds_.resize(cells());
+  for (size_t cell = 0; cell < cells(); ++cell) {
+    kinds_[cell] = next[cell] == 0        ? CellKind::empty
+                   : next[cell] > crowded ? CellKind::solid
+                                          : CellKind::triangles;
+    if (kinds_[cell] == CellKind::solid) next[cell] = 0;
+  }
+  std::exclusive_scan(next.begin(), next.end(), next.begin(), 0u);
+  begin_ = next;
+  triangles_.resize(begin_.back());
+  for (const Piece& piece : triangles)
+    for (const Reference& reference : piece.references)
+      if (kinds_[reference.cell] == CellKind::triangles)
+        triangles_[next[reference.cell]++] = reference.triangle;
 }
 
 RayGrid::Hit RayGrid::cast_in_cell(size_t cell, Vec3 origin, Vec3 direction, float entry, float exit) const {
   Hit hit;
-  const uint32_t begin = begin_[cell], end = begin_[cell + 1];
-  if (end - begin > crowded) return {std::max(entry, 0.0f), glm::dot(normal_sum_[cell], direction) < 0};
-  for (uint32_t i = begin; i < end; ++i) {
+  if (kinds_[cell] == CellKind::solid)
+    return {std::max(entry, 0.0f), glm::dot(normal_sum_[cell], direction) < 0};
+  for (uint32_t i = begin_[cell]; i < begin_[cell + 1]; ++i) {
     const std::array<Vec3, 3> p = grid_triangle(triangles_[i]);
     const float distance = intersect_triangle(p, origin, direction);
     if (distance >= hit.distance || distance > exit + 1e-3f) continue;

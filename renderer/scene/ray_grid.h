@@ -29,26 +29,35 @@ class RayGrid {
   UVec3 size() const { return size_; }
   float cell() const { return cell_; }
   Vec3 cell_centre(UVec3 c) const { return low_ + cell_ * (Vec3(c) + 0.5f); }
-  bool empty(UVec3 c) const { return begin_[index(c)] == begin_[index(c) + 1]; }
+  bool empty(UVec3 c) const { return kinds_[index(c)] == CellKind::empty; }
 
  private:
+  enum class CellKind : uint8_t { empty, triangles, solid };
+  struct Reference {
+    uint32_t cell, triangle;
+  };
+  /// What a part of the triangles meets.
+  struct Piece {
+    std::vector<Reference> references;
+    std::vector<Vec3> normal_sum;  ///< per cell, as below
+  };
+  static constexpr size_t pieces = 4;
+
   size_t index(UVec3 c) const { return c.x + size_.x * (c.y + static_cast<size_t>(size_.y) * c.z); }
-  Vec3 to_grid(Vec3 p) const { return (p - low_) / cell_; }
+  size_t cells() const { return static_cast<size_t>(size_.x) * size_.y * size_.z; }
+  Vec3 to_grid(Vec3 p) const { return (p - low_) * cells_per_unit_; }
   std::array<Vec3, 3> grid_triangle(uint32_t triangle) const;
-  template <class Visit>
-  void for_each_piece(const Scene&, const Visit&) const;
-  template <class Visit>
-  void for_each_cell(uint32_t triangle, const Visit&) const;
-  void choose_size(const Scene&);
-  void fill(const Scene&);
+  size_t find_cells_of(uint32_t triangle, Piece&) const;
+  bool find_cells(bool done, std::array<Piece, pieces>&) const;
+  void fill(const std::array<Piece, pieces>&);
   Hit cast_in_cell(size_t cell_index, Vec3 origin, Vec3 direction, float entry, float exit) const;
 
   const Scene* scene_;
   Vec3 low_{0};
-  float cell_ = 1;
+  float cell_ = 1, cells_per_unit_ = 1;
   UVec3 size_{1};
-  uint32_t stride_ = 1;                      ///< every stride-th triangle is in the grid
-  std::vector<uint32_t> begin_, triangles_;  ///< per cell a range of triangles
+  std::vector<CellKind> kinds_;
+  std::vector<uint32_t> begin_, triangles_;  ///< per cell a range of triangles, none for solid ones
   std::vector<Vec3> normal_sum_;  ///< of a cell's triangles, area-weighted: the facing of solid cells
 };
 
