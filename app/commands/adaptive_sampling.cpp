@@ -34,14 +34,14 @@ bool AdaptiveSampler::interrupted_or_late() const {
   return stop_.stop_requested() || (goal_.seconds && clock_.seconds() >= *goal_.seconds);
 }
 
-std::optional<StopReason> AdaptiveSampler::done() const {
+std::optional<StopReason> AdaptiveSampler::done() {
   if (stop_.stop_requested()) return StopReason::interrupted;
   if (uniform_ == 0) return std::nullopt;
   const double samples = session_.film().mean_samples();
   if (goal_.samples && samples >= *goal_.samples) return StopReason::samples;
   if (goal_.seconds && clock_.seconds() >= *goal_.seconds) return StopReason::time;
-  const double error = session_.film().estimated_relmse();
-  if (goal_.error && error >= 0 && error <= *goal_.error) return StopReason::error;
+  if (goal_.error) error_ = session_.film().estimated_relmse();
+  if (goal_.error && error_ >= 0 && error_ <= *goal_.error) return StopReason::error;
   return std::nullopt;
 }
 
@@ -72,8 +72,8 @@ double AdaptiveSampler::next_scale() const {
   double scale = allocation_.scale_for_samples(film, most);
   if (goal_.error) {
     // What the film finds against what was expected of it corrects the expectation.
-    const double found = film.estimated_relmse(), expected = allocation_.expected_relmse(film, 0);
-    const double wanted = found > 0 ? aim * *goal_.error * expected / found : *goal_.error;
+    const double expected = allocation_.expected_relmse(film, 0);
+    const double wanted = error_ > 0 ? aim * *goal_.error * expected / error_ : *goal_.error;
     const double least = allocation_.scale_for_samples(film, samples * least_step);
     scale = std::min(scale, std::max(least, allocation_.scale_for_error(film, wanted)));
   }

@@ -15,7 +15,7 @@ class AdaptiveSampler {
   StopReason run();
 
  private:
-  std::optional<StopReason> done() const;
+  std::optional<StopReason> done();
   void uniform_pass(uint32_t samples);
   bool adapted_round();
   double next_scale() const;
@@ -30,6 +30,7 @@ class AdaptiveSampler {
   const std::function<void()>& after_pass_;
   SampleAllocation allocation_;
   uint32_t uniform_ = 0;          ///< samples a pixel of uniform passes
+  double error_ = -1;             ///< relMSE that the film estimates of itself, below 0 for none
   double seconds_a_sample_ = 0;   ///< of the whole picture, as last measured
   std::vector<uint16_t> visits_;  ///< samples of each pixel in the round in hand
   std::vector<uint16_t> chosen_;  ///< those of them in the pass in hand

@@ -52,8 +52,6 @@ void Film::clear() {
   first_nan_ = nowhere;
 }
 
-uint32_t Film::samples(uint32_t pixel) const { return pixels_[pixel].count[0] + pixels_[pixel].count[1]; }
-
 Vec3d Film::half_mean(uint32_t pixel, int half) const {
   const Pixel& p = pixels_[pixel];
   return p.count[half] > 0 ? p.sum[half] / static_cast<double>(p.count[half]) : Vec3d(0);

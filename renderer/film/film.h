@@ -35,7 +35,7 @@ class Film {
   void merge(const Film& other);
   void clear();
 
-  uint32_t samples(uint32_t pixel) const;
+  uint32_t samples(uint32_t pixel) const { return pixels_[pixel].count[0] + pixels_[pixel].count[1]; }
   /// Samples of one half, and their mean; 0 where it has none.
   uint32_t half_samples(uint32_t pixel, int half) const { return pixels_[pixel].count[half]; }
   Vec3d half_mean(uint32_t pixel, int half) const;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -21,7 +20,7 @@ constexpr double least_share = 0.1;
 // share.
 constexpr double visit_cost = 6;
 constexpr uint32_t least_visit = 8;
-constexpr double highest_scale = 1e9;
+constexpr double least_scale = 1e-6, highest_scale = 1e9;
 
 /// Mean over the square of `radius` around each pixel, the pixel itself left out.
 std::vector<double> mean_of_others(const std::vector<double>& values, int width, int height, int radius) {
@@ -53,6 +52,39 @@ std::vector<double> mean_of_others(const std::vector<double>& values, int width,
 }
 
 double mean_of_channels(Vec3d v) { return (v.x + v.y + v.z) / 3; }
+
+/// Mean of what `add(i, sum)` adds over i below `count`, in one fixed order.
+template <class Line, class Add>
+Line mean_over(size_t count, const Add& add) {
+  constexpr size_t piece = 4096;
+  std::vector<Line> sums((count + piece - 1) / piece);
+  parallel_for(0, sums.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p)
+      for (size_t i = p * piece; i < std::min(count, (p + 1) * piece); ++i)
+        add(static_cast<uint32_t>(i), sums[p]);
+  });
+  Line mean;
+  for (const Line& sum : sums)
+    mean.constant += sum.constant / static_cast<double>(count),
+        mean.slope += sum.slope / static_cast<double>(count);
+  return mean;
+}
+
+/// The t at which a sum comes to `wanted` that is linear piece by piece, and bent the same way everywhere, by
+/// Newton's method from an end at which all pixels slope: it comes to the piece that holds t, and ends there.
+template <class LineAt>
+double solve(double wanted, const LineAt& line_at, double t) {
+  constexpr int most_steps = 50;
+  constexpr double near = 1e-9;
+  for (int i = 0; i < most_steps; ++i) {
+    const auto line = line_at(t);
+    if (!(line.slope > 0)) break;  // every pixel has more than enough
+    const double next = std::max(0.0, (wanted - line.constant) / line.slope);
+    if (std::abs(next - t) <= near * t) break;
+    t = next;
+  }
+  return t;
+}
 
 }  // namespace
 
@@ -103,55 +135,44 @@ void SampleAllocation::learn(const Film& before, const Film& after) {
   for (double& root : root_) root = std::max(root, least);
 }
 
-namespace {
-
-/// Mean of `value(i)` over i below `count`, in one fixed order.
-template <class Value>
-double mean_over(size_t count, const Value& value) {
-  constexpr size_t piece = 4096;
-  std::vector<double> sums((count + piece - 1) / piece);
-  parallel_for(0, sums.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p)
-      for (size_t i = p * piece; i < std::min(count, (p + 1) * piece); ++i)
-        sums[p] += value(static_cast<uint32_t>(i));
+/// Samples a pixel, linear in t = scale.
+SampleAllocation::Line SampleAllocation::samples_line(const Film& film, double scale) const {
+  return mean_over<Line>(root_.size(), [&](uint32_t i, Line& sum) {
+    const double done = film.samples(i);
+    if (scale * root_[i] > done)
+      sum.slope += root_[i];
+    else
+      sum.constant += done;
   });
-  return std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(count);
 }
 
-}  // namespace
-
-double SampleAllocation::mean_samples(const Film& film, double scale) const {
-  return mean_over(root_.size(),
-                   [&](uint32_t i) { return std::max<double>(film.samples(i), scale * root_[i]); });
+/// relMSE expected, linear in t = 1/scale: √e t where a pixel gets more samples, e/n where it has enough.
+SampleAllocation::Line SampleAllocation::error_line(const Film& film, double inverse_scale) const {
+  return mean_over<Line>(root_.size(), [&](uint32_t i, Line& sum) {
+    const double done = film.samples(i);
+    if (root_[i] > done * inverse_scale)
+      sum.slope += root_[i];
+    else
+      sum.constant += root_[i] * root_[i] / done;
+  });
 }
 
 double SampleAllocation::expected_relmse(const Film& film, double scale) const {
-  return mean_over(root_.size(), [&](uint32_t i) {
-    return root_[i] * root_[i] / std::max<double>(film.samples(i), scale * root_[i]);
-  });
+  const double inverse_scale = 1 / std::max(scale, least_scale);
+  const Line line = error_line(film, inverse_scale);
+  return line.constant + line.slope * inverse_scale;
 }
-
-namespace {
-
-/// The scale at which `reached` turns true.
-template <class Reached>
-double bisect_scale(const Reached& reached) {
-  double low = 1e-6, high = highest_scale;
-  for (int i = 0; i < 20; ++i) {  // to 3e-5 of it
-    const double middle = std::sqrt(low * high);
-    (reached(middle) ? high : low) = middle;
-  }
-  return high;
-}
-
-}  // namespace
 
 double SampleAllocation::scale_for_samples(const Film& film, double wanted) const {
-  return bisect_scale([&](double scale) { return mean_samples(film, scale) >= wanted; });
+  const double scale = solve(
+      wanted, [&](double t) { return samples_line(film, t); }, highest_scale);
+  return std::clamp(scale, least_scale, highest_scale);
 }
 
 double SampleAllocation::scale_for_error(const Film& film, double wanted) const {
-  return bisect_scale([&](double scale) { return expected_relmse(film, scale) <= wanted; });
+  const double inverse = solve(
+      wanted, [&](double t) { return error_line(film, t); }, 0);
+  return std::clamp(1 / inverse, least_scale, highest_scale);
 }
 
 bool SampleAllocation::next_round(const Film& film, double scale, uint32_t most, VisitSizes sizes,

@@ -43,7 +43,12 @@ class SampleAllocation {
   bool next_round(const Film&, double scale, uint32_t most, VisitSizes, std::vector<uint16_t>& samples) const;
 
  private:
-  double mean_samples(const Film&, double scale) const;
+  /// A mean over the pixels, `constant + slope · t` for as long as no pixel changes sides.
+  struct Line {
+    double constant = 0, slope = 0;
+  };
+  Line samples_line(const Film&, double scale) const;
+  Line error_line(const Film&, double inverse_scale) const;
 
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0;           ///< learned from

@@ -51,13 +51,7 @@ class PointGrid {
   void for_neighbours(Vec3 p, Visit&& visit) const {
     const Cell centre = cell(p);
     for (int64_t z = -1; z <= 1; ++z)
-      for (int64_t y = -1; y <= 1; ++y)
-        for (int64_t x = -1; x <= 1; ++x) {
-          const uint64_t wanted = key({centre.x + x, centre.y + y, centre.z + z});
-          const size_t b = bucket(wanted);
-          for (uint32_t i = first_[b]; i < first_[b + 1]; ++i)
-            if (entries_[i].key == wanted) visit(entries_[i]);
-        }
+      for (int64_t y = -1; y <= 1; ++y) visit_row({centre.x - 1, centre.y + y, centre.z + z}, visit);
   }
 
  private:
@@ -69,15 +63,25 @@ class PointGrid {
     const Vec3 c = glm::floor(glm::clamp(p * inverse_cell_, -1e15f, 1e15f));
     return {static_cast<int64_t>(c.x), static_cast<int64_t>(c.y), static_cast<int64_t>(c.z)};
   }
-  /// 21 bits a coordinate: cells 2²¹ apart share a key, which costs a look at points far away.
+  /// Of neighbours along x, neighbours. Cells that share a key cost a look at points far away.
   static uint64_t key(Cell c) {
-    constexpr uint64_t low_bits = (1u << 21) - 1;
-    return (static_cast<uint64_t>(c.x) & low_bits) | (static_cast<uint64_t>(c.y) & low_bits) << 21 |
-           (static_cast<uint64_t>(c.z) & low_bits) << 42;
+    return static_cast<uint64_t>(c.x) + static_cast<uint64_t>(c.y) * 0x9e3779b97f4a7c15ull +
+           static_cast<uint64_t>(c.z) * 0xd1b54a32d192ed03ull;
   }
-  /// Cells side by side along x share cache lines; y and z are scattered.
-  size_t bucket(uint64_t key) const {
-    return (key + (key >> 21) * 0x9e3779b1u + (key >> 42) * 0x85ebca77u) & mask_;
+  size_t bucket(uint64_t key) const { return key & mask_; }
+
+  /// A cell and the two that follow it along x: their buckets follow each other, too.
+  template <class Visit>
+  void visit_row(Cell first_cell, Visit&& visit) const {
+    constexpr size_t cells = 3;
+    const uint64_t first_key = key(first_cell);
+    const size_t begin = bucket(first_key), end = begin + cells, buckets = mask_ + 1;
+    const auto visit_buckets = [&](size_t from, size_t to) {
+      for (uint32_t i = first_[from]; i < first_[to]; ++i)
+        if (entries_[i].key - first_key < cells) visit(entries_[i]);
+    };
+    visit_buckets(begin, std::min(end, buckets));
+    if (end > buckets) visit_buckets(0, end - buckets);
   }
 
   float inverse_cell_;

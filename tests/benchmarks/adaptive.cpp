@@ -24,6 +24,8 @@ struct AdaptiveBenchmark {
 AdaptiveBenchmark parse(const std::vector<std::string>& options) {
   AdaptiveBenchmark benchmark;
   benchmark.settings.backend = Backend::none;
+  benchmark.settings.technique = "bidirectional";
+  benchmark.settings.target = Target::discrete;
   benchmark.settings.width = 320, benchmark.settings.height = 240;
   for (const std::string& option : options) {
     if (option.find('=') == std::string::npos) {
