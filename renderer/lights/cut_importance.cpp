@@ -129,7 +129,10 @@ struct HalfVectorLobe {
   float half_cosine_weight;  ///< 1: density of reflected directions is D/4(h·wo); 0: of visible normals
 };
 
-/// Some clusters seen from x. The half vector loop is long: in two steps compilers vectorise both.
+// The lobe's importance goes in three steps over some clusters at a time. One loop would be so long that the
+// processor holds one pass through it and no more, and waits for its chain of roots and divisions.
+
+/// Some clusters seen from x.
 struct SeenBlock {
   static constexpr size_t size = 64;
   alignas(64) float x[size], y[size], z[size], reach[size], cosine[size];
@@ -146,16 +149,20 @@ HALFLIGHT_SIMD_CLONES void see_block(const View& v, size_t first, size_t count, 
   }
 }
 
-HALFLIGHT_SIMD_CLONES void half_vector_block(const View& v, const HalfVectorLobe& its_lobe, size_t first,
-                                             size_t count, const SeenBlock& block) {
+/// Their half vectors h, the cosines of those with wo, and the filtered lobe's M = diag(P) + (2/κ) J Jᵀ in
+/// the plane of h.xy, J the derivative of h by the light's direction (Tokuyoshi et al. 2024). J Jᵀ = (I − h
+/// hᵀ − e eᵀ)/|w + wo|² there, e the part of w across h; 2/κ = (R/r)².
+struct HalfVectors {
+  alignas(64) float x[SeenBlock::size], y[SeenBlock::size], z[SeenBlock::size], cosine[SeenBlock::size];
+  alignas(64) float m_xx[SeenBlock::size], m_xy[SeenBlock::size], m_yy[SeenBlock::size];
+};
+
+HALFLIGHT_SIMD_CLONES void half_vector_block(const View& v, const HalfVectorLobe& its_lobe, size_t count,
+                                             const SeenBlock& block, HalfVectors& half) {
   const Vec3 t = v.basis.tangent, b = v.basis.bitangent, n = v.basis.normal, o = v.wo;
   const HalfVectorLobe lobe = its_lobe;
-  const float *arriving = v.arriving + first, *has_extent = v.has_extent + first;
-  float* importance = v.importance + first;
-  const float diffuse = v.diffuse, counted = v.counted;
 #pragma GCC ivdep
   for (size_t i = 0; i < count; ++i) {
-    // Half vector h and its cosine with wo.
     const Vec3 w(block.x[i], block.y[i], block.z[i]);
     const float ix = w.x * t.x + w.y * t.y + w.z * t.z, iy = w.x * b.x + w.y * b.y + w.z * b.z,
                 iz = w.x * n.x + w.y * n.y + w.z * n.z;
@@ -163,23 +170,33 @@ HALFLIGHT_SIMD_CLONES void half_vector_block(const View& v, const HalfVectorLobe
     const float sum2 = sx * sx + sy * sy + sz * sz;
     const float inverse = 1.0f / std::sqrt(sum2 > 1e-6f ? sum2 : 1e-6f);
     const float hx = sx * inverse, hy = sy * inverse, hz = sz * inverse;
-    const float cos_half = clamp_to_unit(hx * o.x + hy * o.y + hz * o.z);
-
-    // M = diag(P) + (2/κ) J Jᵀ in the plane of h.xy, J the derivative of h by the light's direction
-    // (Tokuyoshi et al. 2024). J Jᵀ = (I − h hᵀ − e eᵀ)/|w + wo|² there, e the part of w across h; 2/κ =
-    // (R/r)².
     const float along = ix * hx + iy * hy + iz * hz;
     const float ex = ix - along * hx, ey = iy - along * hy;
     const float reach = block.reach[i] < 2.0f ? block.reach[i] : 2.0f;
     const float filter = reach * reach * inverse * inverse;
-    const float m_xx = lobe.width_x + filter * (1.0f - hx * hx - ex * ex);
-    const float m_yy = lobe.width_y + filter * (1.0f - hy * hy - ey * ey);
-    const float m_xy = -filter * (hx * hy + ex * ey);
+    half.x[i] = hx, half.y[i] = hy, half.z[i] = hz;
+    half.cosine[i] = clamp_to_unit(hx * o.x + hy * o.y + hz * o.z);
+    half.m_xx[i] = lobe.width_x + filter * (1.0f - hx * hx - ex * ex);
+    half.m_yy[i] = lobe.width_y + filter * (1.0f - hy * hy - ey * ey);
+    half.m_xy[i] = -filter * (hx * hy + ex * ey);
+  }
+}
+
+/// α'² = (M + det M I)/n with n = 1 + tr M + det M, whose determinant is det M/n; with the quadratic form of
+/// α'⁻² multiplied out, D = det M √det M √n/(π q²), q = hᵀ adj(M + det M I) h + h_z² det M.
+HALFLIGHT_SIMD_CLONES void lobe_block(const View& v, const HalfVectorLobe& its_lobe, size_t first,
+                                      size_t count, const SeenBlock& block, const HalfVectors& half) {
+  const Vec3 o = v.wo;
+  const HalfVectorLobe lobe = its_lobe;
+  const float *arriving = v.arriving + first, *has_extent = v.has_extent + first;
+  float* importance = v.importance + first;
+  const float diffuse = v.diffuse, counted = v.counted;
+#pragma GCC ivdep
+  for (size_t i = 0; i < count; ++i) {
+    const float hx = half.x[i], hy = half.y[i], hz = half.z[i], cos_half = half.cosine[i];
+    const float m_xx = half.m_xx[i], m_yy = half.m_yy[i], m_xy = half.m_xy[i];
     const float det_m = m_xx * m_yy - m_xy * m_xy, least = lobe.width_x * lobe.width_y;
     const float det = det_m > least ? det_m : least;
-
-    // α'² = (M + det M I)/n with n = 1 + tr M + det M, whose determinant is det M/n; with the quadratic form
-    // of α'⁻² multiplied out, D = det M √det M √n/(π q²), q = hᵀ adj(M + det M I) h + h_z² det M.
     const float norm = 1.0f + m_xx + m_yy + det;
     const float a_xx = m_xx + det, a_yy = m_yy + det;
     const float q = a_yy * hx * hx - 2.0f * m_xy * hx * hy + a_xx * hy * hy + hz * hz * det;
@@ -203,10 +220,12 @@ HALFLIGHT_SIMD_CLONES void half_vector_block(const View& v, const HalfVectorLobe
 
 void half_vector_loop(const View& v, const HalfVectorLobe& lobe, size_t count) {
   SeenBlock block;
+  HalfVectors half;
   for (size_t first = 0; first < count; first += SeenBlock::size) {
     const size_t size = std::min(SeenBlock::size, count - first);
     see_block(v, first, size, block);
-    half_vector_block(v, lobe, first, size, block);
+    half_vector_block(v, lobe, size, block, half);
+    lobe_block(v, lobe, first, size, block, half);
   }
 }
 
