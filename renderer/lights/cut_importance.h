@@ -43,4 +43,8 @@ float specular_strength(const GBufferTexel&);
 /// Variance of the specular lobe's directions along its wider axis, radians²: 1/n for a Phong lobe.
 float lobe_variance(const Brdf&);
 
+/// Whether there is a specular lobe, with less than `times` the variance of a cluster: K clusters that share
+/// the sphere have one of about 1/K radians² each along an axis.
+bool has_narrow_lobe(const Brdf&, const Cut&, float times);
+
 }  // namespace halflight

@@ -144,26 +144,26 @@ void ConnectionBatch::connect_punctual_lights(const Scene& scene, Vec3 x) {
 }
 
 void ConnectionBatch::connect(const Scene& scene, const GBufferTexel& texel, const Basis& basis,
-                              GeometryTerm term) {
-  const size_t count = gather(scene, texel.position);
-  LocalBatch local_batch;
-  LocalBatch& l = local_batch;
-  connect_loop(*this, pixel_frame(texel, basis, term), l, count);
-  evaluate_batch(texel.brdf, basis.to_local(texel.wo), {l.x, l.y, l.z, l.red, l.green, l.blue, count});
-  multiply_loop(*this, l, count);
-}
-
-void ConnectionBatch::connect_beside_rays(const Scene& scene, const GBufferTexel& texel, const Basis& basis,
-                                          GeometryTerm term, float light_draws) {
+                              GeometryTerm term, std::optional<float> draws_beside_rays) {
   const size_t count = gather(scene, texel.position);
   LocalBatch local_batch;
   LocalBatch& l = local_batch;
   alignas(64) float density[capacity];
   connect_loop(*this, pixel_frame(texel, basis, term), l, count);
   evaluate_batch(texel.brdf, basis.to_local(texel.wo),
-                 {l.x, l.y, l.z, l.red, l.green, l.blue, count, density});
-  balance_loop(*this, density, light_draws, count);
+                 {l.x, l.y, l.z, l.red, l.green, l.blue, count, draws_beside_rays ? density : nullptr});
+  if (draws_beside_rays) balance_loop(*this, density, *draws_beside_rays, count);
   multiply_loop(*this, l, count);
+}
+
+void ConnectionBatch::connect(const Scene& scene, const GBufferTexel& texel, const Basis& basis,
+                              GeometryTerm term) {
+  connect(scene, texel, basis, term, std::nullopt);
+}
+
+void ConnectionBatch::connect_beside_rays(const Scene& scene, const GBufferTexel& texel, const Basis& basis,
+                                          GeometryTerm term, float light_draws) {
+  connect(scene, texel, basis, term, light_draws);
 }
 
 }  // namespace halflight

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "lights/cut_distribution.h"
 #include "scene/gbuffer.h"
@@ -47,6 +48,8 @@ struct ConnectionBatch {
   void connect_beside_rays(const Scene&, const GBufferTexel&, const Basis&, GeometryTerm, float light_draws);
 
  private:
+  void connect(const Scene&, const GBufferTexel&, const Basis&, GeometryTerm,
+               std::optional<float> draws_beside_rays);
   size_t gather(const Scene&, Vec3 x);
   void connect_punctual_lights(const Scene&, Vec3 x);
 };

@@ -6,9 +6,8 @@ namespace halflight {
 
 namespace {
 
-// Counting tells more than the filtered lobe where the lobe is narrower than a cluster. K clusters that share
-// the sphere have a variance of about 1/K radians² each along an axis; beyond three times that, counting was
-// measured to gain nothing.
+// Counting tells more than the filtered lobe where the lobe is narrower than a cluster. Beyond three times a
+// cluster's variance it was measured to gain nothing.
 constexpr float narrow_lobe = 3;
 
 // Between normals of points that share a distribution, where no BRDF ray bounds the weights: at 0.95 relMSE
@@ -56,9 +55,7 @@ void CountedCut::begin_group(const Aabb& points) {
 
 /// Whether rays of the texel's lobe are counted.
 bool CountedCut::counts(const GBufferTexel& texel) const {
-  const bool narrow =
-      texel.brdf.has_specular() && lobe_variance(texel.brdf) * static_cast<float>(cut_->size) < narrow_lobe;
-  return parameters_.ray_count > 0 && (narrow || parameters_.always);
+  return parameters_.ray_count > 0 && (parameters_.always || has_narrow_lobe(texel.brdf, *cut_, narrow_lobe));
 }
 
 /// A lobe narrower than the clusters is at home in one pixel only.

@@ -9,8 +9,7 @@ namespace {
 
 // A lobe below this roughness is a mirror: no light sample finds it.
 constexpr float mirror_alpha = 1e-3f;
-// K clusters that share the sphere have a variance of about 1/K radians² each along an axis. A lobe some
-// times as wide still sees each of its pixel's neighbours' light differently.
+// A lobe up to so many times as wide as a cluster, in variance, still sees light otherwise in each pixel.
 constexpr float narrow_lobe = 8;
 constexpr float most_share_beside_punctual = 0.75f;
 /// Between normals of views that share a distribution.
@@ -104,7 +103,7 @@ void HalflightSampler::look_at_block(TracedWorker& worker, std::span<const uint3
         worker.add_base(view.pixel, view.seen, view.samples);
         continue;
       }
-      view.narrow = is_narrow(view.seen.texel->brdf);
+      view.narrow = has_narrow_lobe(view.seen.texel->brdf, lights_.cut(), narrow_lobe);
       view.group = group_of(view);
       if (view.group == groups_.size()) groups_.push_back({static_cast<uint32_t>(views_.size()), 0});
       ++groups_[view.group].count;
@@ -150,10 +149,6 @@ bool HalflightSampler::build(const GBufferTexel& texel) {
   if (parameters_.visibility)
     for (uint32_t k = 0; k < cut.size; ++k) importance[k] *= factor_[k];
   return distribution_.build(cut, guard_, parameters_.alpha);
-}
-
-bool HalflightSampler::is_narrow(const Brdf& brdf) const {
-  return brdf.has_specular() && lobe_variance(brdf) * static_cast<float>(lights_.cut().size) < narrow_lobe;
 }
 
 float HalflightSampler::brdf_share(const GBufferTexel& texel) const {

@@ -59,7 +59,6 @@ class HalflightSampler {
   void connect(TracedWorker&, int half, float expected_samples);
   void prepare_visibility(TracedWorker&, uint32_t pixel);
   bool build(const GBufferTexel&);
-  bool is_narrow(const Brdf&) const;
   float brdf_share(const GBufferTexel&) const;
 
   const FrameView& frame_;

@@ -56,13 +56,10 @@ SharedPoint shared_point(std::span<const GBufferTexel* const> texels) {
 }  // namespace
 
 SharedPoint DistributionLeaders::shared(uint32_t leader) const {
-  const auto width = static_cast<uint32_t>(gbuffer_->width);
   std::array<const GBufferTexel*, most> texels{&gbuffer_->texels[leader]};
   size_t count = 0;
   for (uint32_t place = 0; place < most; ++place)
-    if (leader_[place] == leader)
-      texels[count++] =
-          &gbuffer_->texels[(block_.y * side + place / side) * width + block_.x * side + place % side];
+    if (leader_[place] == leader) texels[count++] = &gbuffer_->texels[pixel_at(place)];
   return shared_point(std::span(texels).first(std::max<size_t>(count, 1)));
 }
 

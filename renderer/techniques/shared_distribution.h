@@ -52,17 +52,22 @@ class DistributionLeaders {
     return {pixel % width, pixel / width};
   }
 
+  /// Of a place in the block; none beyond the picture.
+  uint32_t pixel_at(uint32_t place) const {
+    const auto width = static_cast<uint32_t>(gbuffer_->width),
+               height = static_cast<uint32_t>(gbuffer_->height);
+    const glm::uvec2 at = block_ * side + glm::uvec2(place % side, place / side);
+    return at.x < width && at.y < height ? at.y * width + at.x : none;
+  }
+
   template <class Serves>
   void find(const Serves& serves) {
-    const uint32_t width = static_cast<uint32_t>(gbuffer_->width),
-                   height = static_cast<uint32_t>(gbuffer_->height);
     leader_.fill(none);
     std::array<uint32_t, most> found;
     size_t count = 0;
     for (uint32_t place = 0; place < most; ++place) {
-      const uint32_t x = block_.x * side + place % side, y = block_.y * side + place / side;
-      if (x >= width || y >= height) continue;
-      const uint32_t pixel = y * width + x;
+      const uint32_t pixel = pixel_at(place);
+      if (pixel == none) continue;
       const GBufferTexel& texel = gbuffer_->texels[pixel];
       leader_[place] = pixel;
       if (!reflects(texel)) continue;

@@ -62,6 +62,14 @@ bool make_traceable(ShadowRay& ray) {
   return good;
 }
 
+/// Makes all of them so; returns how many were valid.
+template <class Ray, class ShadowRayOf>
+uint64_t make_all_traceable(std::span<Ray> rays, const ShadowRayOf& shadow_ray_of) {
+  uint64_t good = 0;
+  for (Ray& ray : rays) good += make_traceable(shadow_ray_of(ray));
+  return good;
+}
+
 /// What the alpha filter needs about the geometry it is called for.
 struct AlphaGeometry {
   const Scene* scene;
@@ -78,6 +86,8 @@ void init_context(EmbreeContext& context) { rtcInitIntersectContext(&context); }
 #endif
 
 struct SeededContext {
+  explicit SeededContext(uint32_t seed) : alpha_seed(seed) { init_context(embree); }
+
   EmbreeContext embree;
   uint32_t alpha_seed;
   uint64_t alpha_tests = 0;
@@ -203,9 +213,7 @@ bool RayScene::intersect(Vec3 origin, Vec3 direction, float near_distance, float
   std::memcpy(&query.ray, &gate, sizeof gate);
   query.hit.geomID = query.hit.primID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  SeededContext context;
-  init_context(context.embree);
-  context.alpha_seed = alpha_seed;
+  SeededContext context(alpha_seed);
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
@@ -230,13 +238,10 @@ RayHit RayScene::hit_of(const ClosestRay& ray) const {
 void RayScene::intersect(std::span<ClosestRay> rays, bool coherent, uint32_t alpha_seed,
                          RayCounters& counters) const {
   if (rays.empty()) return;
-  uint64_t rejected = 0;
-  for (ClosestRay& ray : rays) rejected += !make_traceable(ray.ray);
-  counters.rejected += rejected;
-  counters.closest += rays.size() - rejected;
-  SeededContext context;
-  init_context(context.embree);
-  context.alpha_seed = alpha_seed;
+  const uint64_t good = make_all_traceable(rays, [](ClosestRay& ray) -> ShadowRay& { return ray.ray; });
+  counters.rejected += rays.size() - good;
+  counters.closest += good;
+  SeededContext context(alpha_seed);
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
@@ -250,18 +255,15 @@ void RayScene::intersect(std::span<ClosestRay> rays, bool coherent, uint32_t alp
   rtcIntersect1M(impl_->embree_scene.get(), &context.embree, reinterpret_cast<RTCRayHit*>(rays.data()),
                  static_cast<unsigned>(rays.size()), sizeof(ClosestRay));
 #endif
+  counters.alpha_tests += context.alpha_tests;
 }
 
 void RayScene::occluded(std::span<ShadowRay> rays, uint32_t alpha_seed, RayCounters& counters) const {
   if (rays.empty()) return;
-  uint64_t rejected = 0;
-  for (ShadowRay& ray : rays) rejected += !make_traceable(ray);
-  counters.rejected += rejected;
-  counters.visibility += rays.size() - rejected;
-
-  SeededContext context;
-  init_context(context.embree);
-  context.alpha_seed = alpha_seed;
+  const uint64_t good = make_all_traceable(rays, [](ShadowRay& ray) -> ShadowRay& { return ray; });
+  counters.rejected += rays.size() - good;
+  counters.visibility += good;
+  SeededContext context(alpha_seed);
 #if RTC_VERSION_MAJOR >= 4
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);

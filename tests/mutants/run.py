@@ -14,7 +14,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 COPIED = ["CMakeLists.txt", "app", "assets", "cmake", "renderer", "shaders", "tests"]
 
-HALFLIGHT = ("techniques_halflight", "*OneDensity*:*KeepTheMean*:*ShineInSpots*")
+HALFLIGHT = [("techniques_halflight_density", "*OneDensity*"),
+             ("techniques_halflight", "*KeepTheMean*:*ShineInSpots*")]
 DISTRIBUTION = ("lights_cut_distribution", "*")
 CONTRACT = ("techniques_contract", "*EveryLights*:*DrawsFollow*")
 TRACED = ("techniques_traced", "*")
@@ -53,7 +54,7 @@ MUTANTS = [
   use_powers();
   refresh_cut(tree_, cut_);
 """),
-    ], [HALFLIGHT]),
+    ], HALFLIGHT),
     ("another-p-discrete", "leaves drawn by power, weighed as if alike", [
         ("renderer/lights/cut_distribution.cpp",
          "out[j] = {leaf, cluster_weight[j] * leaves[leaf].inverse_share, draws.cluster[j]};",
@@ -63,18 +64,18 @@ MUTANTS = [
     ("another-p-continuous", "what rays meet is weighed as if leaves were drawn alike", [
         ("renderer/techniques/traced_loop.h", "distribution->probability(lights->cut(), cluster, met->leaf)",
          "distribution->cluster_probability(cluster) /\n                              (lights->cut().end[cluster] - lights->cut().begin[cluster])"),
-    ], [HALFLIGHT]),
+    ], HALFLIGHT),
     ("no-cosine-of-light", "a light's own cosine is missing in the sum", [
         ("renderer/techniques/connection_batch.cpp", "(faces > 0.0f ? faces : 0.0f)", "(faces > 0.0f ? 1.0f : 0.0f)"),
-    ], [HALFLIGHT, ("techniques_contract", "*MeanIsTheExactSum*")]),
+    ], [*HALFLIGHT, ("techniques_contract", "*MeanIsTheExactSum*")]),
     ("no-cosine-in-density", "a surface's cosine is missing in the density of what a ray met", [
         ("renderer/techniques/traced_loop.cpp", "area_to_solid_angle(density, ray.hit.distance, place.cos_light)",
          "area_to_solid_angle(density, ray.hit.distance, 1)"),
-    ], [HALFLIGHT]),
+    ], HALFLIGHT),
     ("no-cosine-of-point", "the shaded point's cosine is missing", [
         ("renderer/techniques/traced_loop.cpp", "drawn->f * (glm::dot(texel_->shading_normal, drawn->wi) / drawn->pdf * scale_)",
          "drawn->f * (1 / drawn->pdf * scale_)"),
-    ], [HALFLIGHT, TRACED]),
+    ], [*HALFLIGHT, TRACED]),
     ("next-leaf", "the search in the running sums is off by one", [
         ("renderer/lights/cut_distribution.cpp", "    while (leaves[leaf].end <= target[j]) ++leaf;\n",
          "    leaf = std::min(leaf + 1, cut.end[draws.cluster[j]] - 1);\n"),
