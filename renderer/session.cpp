@@ -100,18 +100,53 @@ void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::
   request.samples = samples;
   request.stride = stride;
   request.offset = offset;
-  request.begins_round = offset == 0;
   request.stop = std::move(stop);
   impl_->run_pass(std::move(request), offset + 1 == stride * stride);
 }
 
-void Session::run_pass(uint32_t samples, const PassPart& part, std::stop_token stop) {
+bool Session::neighbours_share() const {
+  const Rendition& now = *impl_->now;
+  return now.info().neighbours_share && !now.plan.redraws;
+}
+
+size_t Session::run_subset(uint32_t samples, uint32_t subset, std::stop_token stop) {
+  constexpr uint32_t stride = 4;
+  static_assert(subsets == stride * stride);
+  const auto width = static_cast<uint32_t>(impl_->film.width()),
+             height = static_cast<uint32_t>(impl_->film.height());
+  // Blocks that techniques make things for, or parts of those where the picture has few.
+  const uint32_t side = !neighbours_share() ? 1 : std::min(width, height) >= 256 ? 16 : 4;
+  const auto is_in = [&](uint32_t x, uint32_t y) {
+    return x / side % stride == subset % stride && y / side % stride == subset / stride;
+  };
+  size_t pixels = 0;
+  std::vector<uint16_t> visits(side > 1 ? size_t{width} * height : 0, 0);
+  constexpr uint32_t most_samples = 0xffff;
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      if (is_in(x, y)) {
+        ++pixels;
+        if (side > 1) visits[size_t{y} * width + x] = static_cast<uint16_t>(std::min(samples, most_samples));
+      }
+  if (side == 1) {
+    run_pass(samples, stride, subset, std::move(stop));
+    return pixels;
+  }
   PassRequest request;
-  request.samples = samples;
-  request.visits = part.visits;
-  request.begins_round = part.first;
+  request.samples = std::min(samples, most_samples);
+  request.visits = visits;
   request.stop = std::move(stop);
-  impl_->run_pass(std::move(request), part.last);
+  impl_->run_pass(std::move(request), subset + 1 == subsets);
+  return pixels;
+}
+
+void Session::run_visits(uint32_t most, std::span<const uint16_t> visits, std::stop_token stop) {
+  HALFLIGHT_CHECK(!impl_->now->plan.redraws);
+  PassRequest request;
+  request.samples = most;
+  request.visits = visits;
+  request.stop = std::move(stop);
+  impl_->run_pass(std::move(request), true);
 }
 
 void Session::restart() {

@@ -58,12 +58,6 @@ struct SessionStats {
   StageCounters stages;
 };
 
-/// Some of the pixels, for one of the passes that make up a round together; no pixel is in two of them.
-struct PassPart {
-  std::span<const uint16_t> visits;  ///< samples of each pixel of the picture, as in PassRequest
-  bool first = true, last = true;    ///< of its round
-};
-
 /// What a user may change about the light while the geometry stands.
 struct LightEdits {
   std::vector<PunctualLight> lights;
@@ -106,8 +100,15 @@ class Session {
   /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the
   /// frame.
   void run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop = {});
-  /// A pass over chosen pixels, of at most `samples` each; a round may be made of several.
-  void run_pass(uint32_t samples, const PassPart&, std::stop_token stop = {});
+  /// One of the 16 passes that together make a round, the last of them with subset 15: over every fourth
+  /// pixel each way, or over every fourth block of pixels where `neighbours_share`. Returns how many it has.
+  size_t run_subset(uint32_t samples, uint32_t subset, std::stop_token stop = {});
+  static constexpr uint32_t subsets = 16;
+  /// Whether pixels side by side cost less than as many that lie apart.
+  bool neighbours_share() const;
+  /// A pass of `visits[pixel]` samples at each pixel of the picture, each a number up to `most`. Where
+  /// nothing is redrawn between passes.
+  void run_visits(uint32_t most, std::span<const uint16_t> visits, std::stop_token stop = {});
 
   const Film& film() const;
   /// What to show of the film so far: before its first round is whole, interpolated over like surfaces.

@@ -7,6 +7,7 @@
 
 namespace halflight {
 
+/// For a session that redraws nothing between rounds (discrete target).
 class AdaptiveSampler {
  public:
   AdaptiveSampler(Session&, const SamplingGoal&, const Stopwatch& clock, std::stop_token,
@@ -16,12 +17,13 @@ class AdaptiveSampler {
 
  private:
   std::optional<StopReason> done();
-  void uniform_pass(uint32_t samples);
-  bool adapted_round();
+  std::optional<StopReason> uniform_pass();
+  std::optional<StopReason> adapted_round();
+  std::optional<StopReason> cut_short() const;
   double next_scale() const;
-  bool run_visits();
-  bool interrupted_or_late() const;
-  void after_pass() const;
+  double room() const;
+  StopReason no_room() const;
+  void end_pass(double start, double samples);
 
   Session& session_;
   SamplingGoal goal_;
@@ -32,8 +34,7 @@ class AdaptiveSampler {
   uint32_t uniform_ = 0;          ///< samples a pixel of uniform passes
   double error_ = -1;             ///< relMSE that the film estimates of itself, below 0 for none
   double seconds_a_sample_ = 0;   ///< of the whole picture, as last measured
-  std::vector<uint16_t> visits_;  ///< samples of each pixel in the round in hand
-  std::vector<uint16_t> chosen_;  ///< those of them in the pass in hand
+  std::vector<uint16_t> visits_;  ///< samples of each pixel in the pass in hand
 };
 
 }  // namespace halflight

@@ -9,7 +9,7 @@ namespace halflight {
 
 namespace {
 
-constexpr uint32_t stride = 4, subsets = stride * stride;
+constexpr uint32_t subsets = Session::subsets;
 constexpr uint32_t first_round = 8;        ///< samples a pixel, where no total says how to share them out
 constexpr double longest_whole_round = 1;  ///< seconds; longer rounds go by subsets, to show how they get on
 constexpr uint32_t most_unmeasured = 64;   ///< samples of a whole round before its cost is known
@@ -44,7 +44,7 @@ class Sampler {
   void whole_round(uint32_t samples);
   void round_in_subsets(uint32_t samples, bool every_pixel);
   double time_left() const { return goal_.seconds ? *goal_.seconds - clock_.seconds() : infinity; }
-  void timed_pass(uint32_t samples, uint32_t pass_stride, uint32_t offset);
+  void timed_pass(uint32_t samples, std::optional<uint32_t> subset);
   bool time_is_up() const;
 
   Session& session_;
@@ -53,6 +53,7 @@ class Sampler {
   std::stop_token stop_;
   const std::function<void()>& after_pass_;
   uint32_t done_ = 0;
+  double error_ = -1;  ///< relMSE that the film estimates of itself where that is a goal, below 0 for none
   RoundCost cost_;
 };
 
@@ -72,30 +73,35 @@ uint32_t Sampler::next_round() const {
     wanted = std::max(wanted, static_cast<uint32_t>(std::clamp(fit, 1.0, most)));
   }
   // Not far beyond the error asked for, which falls as 1/N.
-  const double error = goal_.error && done_ > 0 ? session_.film().estimated_relmse() : -1;
-  if (error > 0)
-    wanted = static_cast<uint32_t>(std::clamp(std::ceil(error_margin * done_ * (error / *goal_.error - 1)),
+  if (error_ > 0)
+    wanted = static_cast<uint32_t>(std::clamp(std::ceil(error_margin * done_ * (error_ / *goal_.error - 1)),
                                               1.0, static_cast<double>(wanted)));
   return goal_.samples ? std::min(*goal_.samples - done_, wanted) : wanted;
 }
 
 /// Runs a pass and learns from it what a round of the whole picture costs.
-void Sampler::timed_pass(uint32_t samples, uint32_t pass_stride, uint32_t offset) {
+void Sampler::timed_pass(uint32_t samples, std::optional<uint32_t> subset) {
   Stopwatch watch;
   const StageSeconds before = session_.stats().seconds;
-  session_.run_pass(samples, pass_stride, offset, stop_);
+  double share = 1;
+  if (subset) {
+    const auto pixels = static_cast<double>(session_.film().width()) * session_.film().height();
+    share = static_cast<double>(session_.run_subset(samples, *subset, stop_)) / pixels;
+  } else {
+    session_.run_pass(samples, 1, 0, stop_);
+  }
   const StageSeconds& after = session_.stats().seconds;
   const double frame = after.lights - before.lights + after.raster - before.raster;
-  const double share = 1.0 / (pass_stride * pass_stride);
+  if (session_.plan().redraws && subset.value_or(0) == 0) cost_.frame = frame;
+  if (share == 0) return;
   const double pixels = std::max(1e-9, watch.seconds() - frame);
   const double distributions = std::min(after.distribution - before.distribution, pixels);
   cost_.distributions = distributions / share;
   cost_.sample = std::max(1e-9, pixels - distributions) / (share * samples);
-  if (session_.plan().redraws && offset == 0) cost_.frame = frame;
 }
 
 void Sampler::whole_round(uint32_t samples) {
-  timed_pass(samples, 1, 0);
+  timed_pass(samples, std::nullopt);
   done_ += samples;
 }
 
@@ -103,14 +109,14 @@ void Sampler::whole_round(uint32_t samples) {
 /// end.
 void Sampler::round_in_subsets(uint32_t samples, bool every_pixel) {
   uint32_t most = 0;
-  for (uint32_t offset = 0; offset < subsets && !stop_.stop_requested(); ++offset) {
+  for (uint32_t subset = 0; subset < subsets && !stop_.stop_requested(); ++subset) {
     if (cost_.known()) {
-      const double seconds = (time_left() - (offset == 0 ? cost_.frame : 0)) * subsets / (subsets - offset);
+      const double seconds = (time_left() - (subset == 0 ? cost_.frame : 0)) * subsets / (subsets - subset);
       const double fit = (seconds - cost_.distributions) / cost_.sample;
       samples = static_cast<uint32_t>(std::clamp(fit, 1.0, static_cast<double>(samples)));
       if (!every_pixel && time_left() < 0.5 * cost_.of_pixels(samples) / subsets) break;
     }
-    timed_pass(samples, stride, offset);
+    timed_pass(samples, subset);
     most = std::max(most, samples);
     if (after_pass_) after_pass_();
   }
@@ -140,8 +146,8 @@ StopReason Sampler::run() {
     if (stop_.stop_requested()) return StopReason::interrupted;
     if (goal_.samples && done_ >= *goal_.samples) return StopReason::samples;
     if (!first && goal_.seconds && time_is_up()) return StopReason::time;
-    const double error = first || !goal_.error ? -1 : session_.film().estimated_relmse();
-    if (goal_.error && error >= 0 && error <= *goal_.error) return StopReason::error;
+    if (goal_.error && !first) error_ = session_.film().estimated_relmse();
+    if (goal_.error && error_ >= 0 && error_ <= *goal_.error) return StopReason::error;
 
     // Until the first subset has told what a sample costs, a timed picture starts with as few as give both
     // halves one.

@@ -28,7 +28,8 @@ std::string_view stop_reason_name(StopReason);
 
 /// Runs passes over the session's film until the goal is met or `stop` is requested. Every pixel has a sample
 /// at the end unless it was stopped. With a time goal the rounds at the start and at the end go through 16
-/// interleaved subsets of the pixels, which keeps the end near the goal. `after_pass` may show progress.
+/// interleaved subsets of the picture, which keeps the end near the goal; adaptive sampling goes by whole
+/// passes. `after_pass` may show progress.
 StopReason sample_until(Session&, const SamplingGoal&, const Stopwatch& clock, std::stop_token stop,
                         const std::function<void()>& after_pass);
 

@@ -22,7 +22,10 @@ using Mat4 = glm::mat4;
 inline constexpr float pi = 3.14159265358979323846f;
 inline constexpr float infinity = std::numeric_limits<float>::infinity();
 
-inline float square(float x) { return x * x; }
+template <class Number>
+constexpr Number square(Number x) {
+  return x * x;
+}
 inline float max_component(Vec3 v) { return std::max(v.x, std::max(v.y, v.z)); }
 inline bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -58,7 +61,8 @@ inline Basis basis_around(Vec3 n) {
   return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
 }
 
-/// Basis about unit `normal` whose tangent is `tangent` made orthogonal to it; any basis where that degenerates.
+/// Basis about unit `normal` whose tangent is `tangent` made orthogonal to it; any basis where that
+/// degenerates.
 inline Basis basis_along(Vec3 normal, Vec3 tangent) {
   const Vec3 t = tangent - normal * glm::dot(tangent, normal);
   const float length2 = glm::dot(t, t);

@@ -1,7 +1,6 @@
 #include "film/sample_allocation.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "core/errors.h"
@@ -53,8 +52,13 @@ std::vector<double> mean_of_others(const std::vector<double>& values, int width,
 
 double mean_of_channels(Vec3d v) { return (v.x + v.y + v.z) / 3; }
 
+/// A mean over the pixels, `constant + slope · t` for as long as no pixel changes sides.
+struct Line {
+  double constant = 0, slope = 0;
+};
+
 /// Mean of what `add(i, sum)` adds over i below `count`, in one fixed order.
-template <class Line, class Add>
+template <class Add>
 Line mean_over(size_t count, const Add& add) {
   constexpr size_t piece = 4096;
   std::vector<Line> sums((count + piece - 1) / piece);
@@ -70,6 +74,28 @@ Line mean_over(size_t count, const Add& add) {
   return mean;
 }
 
+/// Samples a pixel, linear in t = scale; `root` is √e.
+Line samples_line(const std::vector<double>& root, const Film& film, double scale) {
+  return mean_over(root.size(), [&](uint32_t i, Line& sum) {
+    const double done = film.samples(i);
+    if (scale * root[i] > done)
+      sum.slope += root[i];
+    else
+      sum.constant += done;
+  });
+}
+
+/// relMSE expected, linear in t = 1/scale: √e t where a pixel gets more samples, e/n where it has enough.
+Line error_line(const std::vector<double>& root, const Film& film, double inverse_scale) {
+  return mean_over(root.size(), [&](uint32_t i, Line& sum) {
+    const double done = film.samples(i);
+    if (root[i] > done * inverse_scale)
+      sum.slope += root[i];
+    else
+      sum.constant += root[i] * root[i] / done;
+  });
+}
+
 /// The t at which a sum comes to `wanted` that is linear piece by piece, and bent the same way everywhere, by
 /// Newton's method from an end at which all pixels slope: it comes to the piece that holds t, and ends there.
 template <class LineAt>
@@ -77,7 +103,7 @@ double solve(double wanted, const LineAt& line_at, double t) {
   constexpr int most_steps = 50;
   constexpr double near = 1e-9;
   for (int i = 0; i < most_steps; ++i) {
-    const auto line = line_at(t);
+    const Line line = line_at(t);
     if (!(line.slope > 0)) break;  // every pixel has more than enough
     const double next = std::max(0.0, (wanted - line.constant) / line.slope);
     if (std::abs(next - t) <= near * t) break;
@@ -135,47 +161,25 @@ void SampleAllocation::learn(const Film& before, const Film& after) {
   for (double& root : root_) root = std::max(root, least);
 }
 
-/// Samples a pixel, linear in t = scale.
-SampleAllocation::Line SampleAllocation::samples_line(const Film& film, double scale) const {
-  return mean_over<Line>(root_.size(), [&](uint32_t i, Line& sum) {
-    const double done = film.samples(i);
-    if (scale * root_[i] > done)
-      sum.slope += root_[i];
-    else
-      sum.constant += done;
-  });
-}
-
-/// relMSE expected, linear in t = 1/scale: √e t where a pixel gets more samples, e/n where it has enough.
-SampleAllocation::Line SampleAllocation::error_line(const Film& film, double inverse_scale) const {
-  return mean_over<Line>(root_.size(), [&](uint32_t i, Line& sum) {
-    const double done = film.samples(i);
-    if (root_[i] > done * inverse_scale)
-      sum.slope += root_[i];
-    else
-      sum.constant += root_[i] * root_[i] / done;
-  });
-}
-
 double SampleAllocation::expected_relmse(const Film& film, double scale) const {
   const double inverse_scale = 1 / std::max(scale, least_scale);
-  const Line line = error_line(film, inverse_scale);
+  const Line line = error_line(root_, film, inverse_scale);
   return line.constant + line.slope * inverse_scale;
 }
 
 double SampleAllocation::scale_for_samples(const Film& film, double wanted) const {
   const double scale = solve(
-      wanted, [&](double t) { return samples_line(film, t); }, highest_scale);
+      wanted, [&](double t) { return samples_line(root_, film, t); }, highest_scale);
   return std::clamp(scale, least_scale, highest_scale);
 }
 
 double SampleAllocation::scale_for_error(const Film& film, double wanted) const {
   const double inverse = solve(
-      wanted, [&](double t) { return error_line(film, t); }, 0);
+      wanted, [&](double t) { return error_line(root_, film, t); }, 0);
   return std::clamp(1 / inverse, least_scale, highest_scale);
 }
 
-bool SampleAllocation::next_round(const Film& film, double scale, uint32_t most, VisitSizes sizes,
+bool SampleAllocation::next_round(const Film& film, double scale, uint32_t most,
                                   std::vector<uint16_t>& samples) const {
   samples.assign(root_.size(), 0);
   bool any = false;
@@ -183,13 +187,7 @@ bool SampleAllocation::next_round(const Film& film, double scale, uint32_t most,
     const double done = film.samples(i), wanted = scale * root_[i], lacking = wanted - done;
     // Of e/n with one more visit against what as much work brings elsewhere: (n − done)² > done · cost.
     if (!(lacking * lacking > done * visit_cost) || lacking < least_visit) continue;
-    if (sizes == VisitSizes::any) {
-      samples[i] = static_cast<uint16_t>(std::min<double>(lacking + 0.5, most));
-    } else {
-      // The one that is nearest on a logarithmic scale.
-      const double nearest = std::min<double>(lacking * std::sqrt(2.0), most);
-      samples[i] = static_cast<uint16_t>(std::bit_floor(static_cast<uint32_t>(nearest)));
-    }
+    samples[i] = static_cast<uint16_t>(std::min<double>(lacking + 0.5, most));
     any = true;
   }
   return any;

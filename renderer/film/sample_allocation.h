@@ -4,8 +4,8 @@
 // least where n ∝ √e (Neyman 1934, optimal allocation). What a pixel gets is decided by its neighbours alone,
 // from passes in which every pixel has as many samples: its own samples are independent of their number, and
 // their mean stays unbiased. A number of samples that a pixel's own samples decide would not do (ESTIMATORS:
-// "a mean whose weights depend on data is biased"). Neighbours of a round share S in the continuous target;
-// docs/performance.md has that bias measured.
+// "a mean whose weights depend on data is biased"). Nor does this in the continuous target, where neighbours
+// of a round share S: docs/performance.md has that bias measured.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,6 @@
 #include "film/film.h"
 
 namespace halflight {
-
-/// Powers of two where each number of samples is a pass of its own.
-enum class VisitSizes { any, powers_of_two };
 
 class SampleAllocation {
  public:
@@ -40,16 +37,9 @@ class SampleAllocation {
   /// Samples that each pixel gets in the next round towards a scale: none, or a number up to `most`. True
   /// where any gets some. A visit costs as much as several samples: pixels wait until they lack enough to be
   /// worth one.
-  bool next_round(const Film&, double scale, uint32_t most, VisitSizes, std::vector<uint16_t>& samples) const;
+  bool next_round(const Film&, double scale, uint32_t most, std::vector<uint16_t>& samples) const;
 
  private:
-  /// A mean over the pixels, `constant + slope · t` for as long as no pixel changes sides.
-  struct Line {
-    double constant = 0, slope = 0;
-  };
-  Line samples_line(const Film&, double scale) const;
-  Line error_line(const Film&, double inverse_scale) const;
-
   int width_ = 0, height_ = 0;
   uint32_t passes_ = 0;           ///< learned from
   uint64_t samples_ = 0;          ///< a pixel, of those passes

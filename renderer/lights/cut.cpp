@@ -227,10 +227,14 @@ void weigh_leaves(Cut& cut, std::span<const float> weight) {
       [](uint32_t) { return 1.0; });
 }
 
-size_t held_bytes(const Cut& cut) {
+size_t held_bytes_of_clusters(const Cut& cut) {
   size_t bytes = 0;
   for_each_array([&](auto array, auto) { bytes += vector_bytes(cut.*array); });
-  return cut.leaves ? bytes + vector_bytes(*cut.leaves) : bytes;
+  return bytes;
+}
+
+size_t held_bytes(const Cut& cut) {
+  return held_bytes_of_clusters(cut) + (cut.leaves ? vector_bytes(*cut.leaves) : 0);
 }
 
 Aabb local_bounds(const Cut& cut) {

@@ -81,6 +81,7 @@ HALFLIGHT_SIMD_CLONES void diffuse_loop(const View& v, size_t count) {
   for (size_t k = 0; k < count; ++k) {
     const Seen seen = see_cluster(v, k);
     v.guard[k] = seen.guard;
+    v.arriving[k] = seen.arriving;
     v.importance[k] = seen.arriving * (v.diffuse * seen.cosine);
   }
 }

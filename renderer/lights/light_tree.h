@@ -130,6 +130,8 @@ double leaf_probability(const Cut&, uint32_t k, uint32_t leaf);
 void weigh_leaves(Cut&, std::span<const float> weight);
 
 size_t held_bytes(const Cut&);
+/// Without the leaves, which cuts of one tree share.
+size_t held_bytes_of_clusters(const Cut&);
 
 /// Box of all clusters that are not at infinity.
 Aabb local_bounds(const Cut&);

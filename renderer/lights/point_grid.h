@@ -31,7 +31,7 @@ class PointGrid {
   };
 
   PointGrid(std::span<const PlacedPoint> points, float cell_size)
-      : inverse_cell_(1 / cell_size), mask_(std::bit_ceil(2 * points.size() + 1) - 1) {
+      : inverse_cell_(1 / cell_size), mask_(std::bit_ceil(2 * points.size() + 3) - 1) {
     // A counting sort by bucket, in the order of the points: the same for any number of threads.
     first_.assign(mask_ + 2, 0);
     std::vector<uint64_t> keys(points.size());

@@ -32,7 +32,7 @@ HALFLIGHT_SIMD_CLONES void reach_loop(const Cut& cut, const Aabb& box, float* re
 bool is_near(const LightNode& node, const Aabb& box, float most_reach) {
   const Vec3 extent = glm::max(node.high - node.centre, node.centre - node.low);
   const Vec3 apart = glm::max(glm::max(box.low - node.centre, node.centre - box.high), Vec3(0));
-  return glm::length(extent) > most_reach * glm::length(apart);
+  return glm::dot(extent, extent) > most_reach * most_reach * glm::dot(apart, apart);
 }
 
 /// What draws inside a node add to the variance at a near point, but for cosines: light varies by 1/r² there,
@@ -47,7 +47,15 @@ double variation(const LightNode& node, const Aabb& box) {
 
 }  // namespace
 
-TileCut::TileCut(const LightTree& tree, const Cut& base) : tree_(&tree), base_(&base), cut_(base) {}
+TileCut::TileCut(const LightTree& tree, const Cut& base) : tree_(&tree), base_(&base), cut_(base) {
+  // Nothing has to grow later.
+  resize_arrays(cut_, most_padded());
+  resize_arrays(cut_, base.padded_size());
+  open_.reserve(base.size + most_new), parts_.reserve(base.size + 2 * most_new);
+  reach2_.resize(base.padded_size());
+}
+
+size_t TileCut::most_padded() const { return padded_clusters(base_->size + most_new); }
 
 const Cut& TileCut::refine(const Aabb& box, float most_reach) {
   const bool was_split = !parts_.empty();
@@ -59,12 +67,11 @@ const Cut& TileCut::refine(const Aabb& box, float most_reach) {
 
 void TileCut::find_near(const Aabb& box, float most_reach) {
   open_.clear();
-  reach2_.resize(base_->padded_size());
   reach_loop(*base_, box, reach2_.data(), reach2_.size());
   for (uint32_t k = 0; k < base_->size; ++k) {
     const LightNode& node = tree_->nodes[base_->node[k]];
     if (reach2_[k] > most_reach * most_reach && node.left >= 0)
-      open_.push_back({variation(node, box), base_->node[k], k});
+      open_.push_back({variation(node, box), base_->node[k], node.begin, k});
   }
   std::make_heap(open_.begin(), open_.end());
 }
@@ -79,7 +86,7 @@ void TileCut::split(const Aabb& box, float most_reach) {
     for (const uint32_t child : {left, left + 1}) {
       const LightNode& node = tree_->nodes[child];
       if (!(node.power > 0)) continue;
-      const Part part{variation(node, box), child, whole.base_cluster};
+      const Part part{variation(node, box), child, node.begin, whole.base_cluster};
       if (node.left >= 0 && is_near(node, box, most_reach)) {
         open_.push_back(part);
         std::push_heap(open_.begin(), open_.end());
@@ -90,9 +97,7 @@ void TileCut::split(const Aabb& box, float most_reach) {
   }
   for (const Part& part : open_)
     if (part.node != base_->node[part.base_cluster]) parts_.push_back(part);
-  std::sort(parts_.begin(), parts_.end(), [&](const Part& a, const Part& b) {
-    return tree_->nodes[a.node].begin < tree_->nodes[b.node].begin;
-  });
+  std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.begin < b.begin; });
 }
 
 /// The base cut's clusters with the parts of those that are split in their place.

@@ -20,12 +20,15 @@ class TileCut {
   /// inside, until none does, they are leaves, or `most_new` clusters have been added.
   const Cut& refine(const Aabb& box, float most_reach);
   const Cut& cut() const { return cut_; }
+  /// What the cut's padded size may come to.
+  size_t most_padded() const;
 
  private:
   /// A node in the place of a base cluster, or of a part of one.
   struct Part {
     double variation;
-    uint32_t node, base_cluster;
+    uint32_t node, begin;  ///< and its first leaf
+    uint32_t base_cluster;
 
     bool operator<(const Part& o) const {
       return variation != o.variation ? variation < o.variation : node > o.node;

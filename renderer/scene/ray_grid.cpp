@@ -99,7 +99,7 @@ size_t RayGrid::find_cells_of(uint32_t triangle, Piece& piece) const {
 bool RayGrid::find_cells(bool done, std::array<Piece, pieces>& triangles) const {
   const size_t all = scene_->triangles.size(), stride = all / most_triangles + 1;
   const size_t taken = (all + stride - 1) / stride;
-  std::atomic<bool> few = true;
+  std::atomic<size_t> looked_at_in_all = 0;
   parallel_for(0, pieces, 1, [&](size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
       Piece& piece = triangles[k];
@@ -107,12 +107,12 @@ bool RayGrid::find_cells(bool done, std::array<Piece, pieces>& triangles) const 
       piece.references.clear(), piece.references.reserve(end - begin);
       piece.normal_sum.assign(cells(), Vec3(0));
       size_t looked_at = 0;
-      for (size_t i = begin; i < end && (done || looked_at <= most_cells / pieces); ++i)
+      for (size_t i = begin; i < end && (done || looked_at <= most_cells); ++i)
         looked_at += find_cells_of(static_cast<uint32_t>(i * stride), piece);
-      if (looked_at > most_cells / pieces) few = false;
+      looked_at_in_all += looked_at;
     }
   });
-  return few || done;
+  return done || looked_at_in_all <= most_cells;
 }
 
 void RayGrid::fill(const std::array<Piece, pieces>& triangles) {

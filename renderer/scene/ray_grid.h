@@ -10,7 +10,8 @@
 
 namespace halflight {
 
-/// Cubic cells over the scene's bounds, a fixed number along the longest side. Cells that hold very many
+/// Cubic cells over the scene's bounds, 48 along the longest side, or half as many, and half again, where
+/// triangles would lie in very many. Cells that hold very many
 /// triangles count as solid blocks and of huge scenes only a part is taken, so that neither building nor
 /// casting can take long.
 class RayGrid {

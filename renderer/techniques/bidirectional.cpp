@@ -73,8 +73,10 @@ StageSet own_stages(const SettingValues& values, Target, const LightKinds&) {
 
 class PrintedSampler {
  public:
-  PrintedSampler(const FrameView& frame, uint32_t ray_count)
-      : cut_(*frame.cut), total_lights_(frame.tree->lights.size()), ray_count_(ray_count) {}
+  PrintedSampler(const FrameView& frame, const CountedCutParameters& counting)
+      : cut_(*frame.cut),
+        total_lights_(frame.tree->lights.size()),
+        ray_count_(planned(frame, counting).ray_count) {}
 
   bool begin_pixel(const GBufferTexel&, RandomStream&);
   void draw(RandomStream& random, std::span<LightSample> out) const { distribution_.draw(cut_, random, out); }
@@ -132,9 +134,8 @@ class Bidirectional final : public Technique {
   PassStats run_pass(const FrameView& frame, const PassRequest& request, Film& film) override {
     const Parameters parameters(*frame.settings);
     if (parameters.form == Form::printed)
-      return run_sampler_pass<PrintedSampler>(frame, request, film, [&] {
-        return PrintedSampler(frame, planned(frame, parameters.counting).ray_count);
-      });
+      return run_sampler_pass<PrintedSampler>(frame, request, film,
+                                              [&] { return PrintedSampler(frame, parameters.counting); });
     return run_sampler_pass<CountedCut>(frame, request, film, [&] { return parameters.sampler(frame); });
   }
 
@@ -142,7 +143,7 @@ class Bidirectional final : public Technique {
                                          uint32_t pixel) override {
     const Parameters parameters(*frame.settings);
     if (parameters.form == Form::printed)
-      return inspect_sampler(PrintedSampler(frame, parameters.counting.ray_count), frame, request, pixel);
+      return inspect_sampler(PrintedSampler(frame, parameters.counting), frame, request, pixel);
     return inspect_sampler(parameters.sampler(frame), frame, request, pixel);
   }
 };
@@ -160,6 +161,7 @@ TechniqueInfo bidirectional_technique() {
                      "unbiased for the sum over S; with form = printed a cluster that no ray met is lost",
                      own_stages};
   info.draft_values = draft_values;
+  info.neighbours_share = true;
   return info;
 }
 

@@ -43,6 +43,7 @@ CountedCut::CountedCut(const LightTree& tree, const Cut& cut, const CountedCutPa
   tile_cut_ = std::make_unique<TileCut>(tree, cut);
   cut_ = &tile_cut_->cut();
   most_reach_ = most_reach;
+  guard_.reserve(tile_cut_->most_padded()), arriving_.reserve(tile_cut_->most_padded());
 }
 
 void CountedCut::begin_group(const Aabb& points) {
@@ -83,7 +84,7 @@ bool CountedCut::begin_pixels(const SharedPoint& point, RandomStream& random) {
 void CountedCut::count_stages(StageCounters& counters) const {
   counters[Stage::counted_brdf_rays].calls += counted_rays_;
   counters[Stage::near_clusters].calls += refined_blocks_;
-  if (tile_cut_) counters[Stage::near_clusters].bytes += held_bytes(tile_cut_->cut());
+  if (tile_cut_) counters[Stage::near_clusters].bytes += held_bytes_of_clusters(tile_cut_->cut());
 }
 
 }  // namespace halflight

@@ -118,7 +118,7 @@ void Halflight::prepare_round(const FrameView& frame, const PassRequest& request
                                               parameters.environment_clusters, stats);
     has_set_ = false;
   }
-  const bool begins_again = has_set_ && request.pass == round_ && request.offset == 0 && request.begins_round;
+  const bool begins_again = has_set_ && request.pass == round_ && request.offset == 0;
   const int width = frame.gbuffer->width, height = frame.gbuffer->height;
   const size_t clusters = lights_->cut().padded_size();
   if (!parameters.visibility)

@@ -61,16 +61,20 @@ HalflightSampler::HalflightSampler(const FrameView& frame, const PassRequest& re
 
 void HalflightSampler::render(TracedWorker& worker, std::span<const uint32_t> pixels) {
   worker.stats().pixels += pixels.size();
-  const uint64_t start = ticks_now();
-  positions_.look(pixels, worker.stats().rays);
-  worker.gbuffer_ticks += ticks_now() - start;
+  {
+    const TickScope scope(worker.clock.gbuffer);
+    positions_.look(pixels, worker.stats().rays);
+  }
   for (size_t first = 0, end = 0; first < pixels.size(); first = end) {
     while (end < pixels.size() && block_of(pixels[end]) == block_of(pixels[first])) ++end;
     const auto block = pixels.subspan(first, end - first);
-    look_at_block(worker, block, first);
-    if (views_.empty()) continue;
-    prepare_visibility(worker, block.front());
-    sort_by_group();
+    {
+      const TickScope scope(worker.clock.distribution);
+      look_at_block(worker, block, first);
+      if (views_.empty()) continue;
+      prepare_visibility(worker, block.front());
+      sort_by_group();
+    }
     size_t begin = 0;
     for (const Group& group : groups_) {
       render_group(worker, std::span<const View>(sorted_).subspan(begin, group.count));
@@ -166,13 +170,14 @@ float HalflightSampler::brdf_share(const GBufferTexel& texel) const {
 }
 
 void HalflightSampler::render_group(TracedWorker& worker, std::span<const View> views) {
-  const uint64_t start = ticks_now();
   allocations_.clear();
   const GBufferTexel& leader = *views.front().seen.texel;
   float share = brdf_share(leader);
-  drawable_ = share < 1 && build(leader);
+  {
+    const TickScope scope(worker.clock.distribution);
+    drawable_ = share < 1 && build(leader);
+  }
   if (!drawable_) share = share > 0 ? 1.0f : 0.0f;
-  worker.distribution_ticks += ticks_now() - start;
   for (size_t begin = 0; begin < views.size();) {
     size_t end = begin + 1;
     while (end < views.size() && views[end].pixel == views[begin].pixel) ++end;

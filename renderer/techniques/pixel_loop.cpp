@@ -1,20 +1,8 @@
 #include "techniques/pixel_loop.h"
 
-#include <chrono>
-
-#if defined(__x86_64__)
-#include <x86intrin.h>
-#endif
-
-#include "core/timeline.h"
-
 namespace halflight {
 
 namespace {
-
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Every second bit of a Morton code.
 uint32_t compact_bits(uint32_t code) {
@@ -34,14 +22,6 @@ std::array<uint32_t, 2> split_samples(const PassRequest& request, uint32_t sampl
   if (request.half) return *request.half == 0 ? std::array{n, 0u} : std::array{0u, n};
   if (n == 1) return request.pass % 2 == 0 ? std::array{1u, 0u} : std::array{0u, 1u};
   return {n - n / 2, n / 2};
-}
-
-uint64_t ticks_now() {
-#if defined(__x86_64__)
-  return __rdtsc();
-#else
-  return static_cast<uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
-#endif
 }
 
 RandomStream pixel_stream(const FrameView& frame, const PassRequest& request, uint32_t pixel) {
@@ -108,23 +88,23 @@ void PixelWorker::close() {
 }
 
 void PixelWorker::trace() {
-  const uint64_t start = ticks_now();
   const std::span<ShadowRay> rays(rays_.data(), ray_count_);
   stats_.useful_rays += rays.size();
   if (request_.watch_rays) request_.watch_rays(rays);
-  frame_.rays->occluded(rays, frame_.alpha_seed, stats_.rays);
+  {
+    const TickScope scope(clock.visibility);
+    frame_.rays->occluded(rays, frame_.alpha_seed, stats_.rays);
+  }
   for (size_t i = 0; i < rays.size(); ++i)
     if (!rays[i].blocked()) open_[waiting_[i].slot / 2].sum[waiting_[i].slot % 2] += waiting_[i].value;
   ray_count_ = 0;
-  visibility_ticks_ += ticks_now() - start;
 }
 
 void PixelWorker::finish() {
   if (ray_count_ > 0) trace();
-  const uint64_t start = ticks_now();
+  const TickScope scope(clock.resolve);
   for (uint32_t i = 0; i < open_count_; ++i) add_to_film(open_[i]);
   open_count_ = 0;
-  resolve_ticks_ += ticks_now() - start;
 }
 
 void PixelWorker::add_to_film(const OpenPixel& pixel) {
@@ -136,22 +116,6 @@ void PixelWorker::add_to_film(const OpenPixel& pixel) {
         exhaustive_ ? pixel.sum[0] : pixel.sum[half] / static_cast<double>(pixel.samples[half]);
     film_.add(pixel.index, half, base + Vec3(throughput * mean), pixel.samples[half]);
   }
-}
-
-void PixelWorker::begin_tile() {
-  tile_start_ = seconds_now();
-  tile_start_ticks_ = ticks_now();
-  distribution_ticks = sampling_ticks = visibility_ticks_ = resolve_ticks_ = 0;
-}
-
-void PixelWorker::end_tile() {
-  const auto ticks = static_cast<double>(std::max<uint64_t>(ticks_now() - tile_start_ticks_, 1));
-  const double unit = (seconds_now() - tile_start_) / ticks;
-  if (Timeline* timeline = Timeline::current()) timeline->add_tile(seconds_now() - tile_start_);
-  stats_.distribution_seconds += static_cast<double>(distribution_ticks) * unit;
-  stats_.sampling_seconds += static_cast<double>(sampling_ticks) * unit;
-  stats_.visibility_seconds += static_cast<double>(visibility_ticks_) * unit;
-  stats_.resolve_seconds += static_cast<double>(resolve_ticks_) * unit;
 }
 
 TileGrid::TileGrid(const GBuffer& gbuffer, const PassRequest& request)

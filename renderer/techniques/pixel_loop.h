@@ -15,6 +15,7 @@
 #include "techniques/connection_batch.h"
 #include "techniques/shared_distribution.h"
 #include "techniques/technique.h"
+#include "techniques/tile_clock.h"
 
 namespace halflight {
 
@@ -60,9 +61,6 @@ concept CountsStages = requires(const S& sampler, StageCounters& counters) {
 std::array<uint32_t, 2> split_samples(const PassRequest&);
 std::array<uint32_t, 2> split_samples(const PassRequest&, uint32_t samples);
 
-/// Time stamps cheap enough to take several times a pixel; a tile's wall-clock time gives their unit.
-uint64_t ticks_now();
-
 /// One thread's part of a pass: gathers the draws of some neighbouring pixels, traces their rays together,
 /// adds the result to the film. Allocates when made and not after.
 class PixelWorker {
@@ -90,13 +88,9 @@ class PixelWorker {
   /// Traces what waits and adds all open pixels to the film.
   void finish();
 
-  void begin_tile();
-  void end_tile();
   PassStats& stats() { return stats_; }
 
-  // Ticks spent since `begin_tile`; the caller adds to the first two.
-  uint64_t distribution_ticks = 0, sampling_ticks = 0;
-  uint64_t visibility_ticks() const { return visibility_ticks_; }
+  TileClock clock;
 
  private:
   static constexpr uint32_t most_pixels = 64;
@@ -136,8 +130,6 @@ class PixelWorker {
   size_t ray_count_ = 0;
 
   PassStats stats_;
-  double tile_start_ = 0;
-  uint64_t tile_start_ticks_ = 0, visibility_ticks_ = 0, resolve_ticks_ = 0;
 };
 
 /// Pixels of a pass in tiles of 16×16 of its interleaved subset, along a Morton curve inside each.
@@ -206,9 +198,9 @@ PassStats run_tiles(const FrameView& frame, const PassRequest& request, Film& fi
         return;
       }
       const uint32_t count = grid.pixels(static_cast<uint32_t>(tile), pixels);
-      local.worker.begin_tile();
+      local.worker.clock.begin();
       render_tile(local.worker, local.sampler, std::span<const uint32_t>(pixels.data(), count));
-      local.worker.end_tile();
+      local.worker.clock.end(local.worker.stats());
     }
   });
   PassStats stats;
@@ -233,7 +225,7 @@ class PixelSampler {
 
   /// Calls `visit(pixel)` for each pixel, those of a block that share a distribution one after the other.
   template <class Visit>
-  void in_turn(std::span<const uint32_t> pixels, const Visit& visit) {
+  void in_turn(std::span<const uint32_t> pixels, TileClock& clock, const Visit& visit) {
     if (!shares()) {
       for (const uint32_t pixel : pixels) visit(pixel);
       return;
@@ -241,8 +233,11 @@ class PixelSampler {
     for (size_t begin = 0, end = 0; begin < pixels.size(); begin = end) {
       while (end < pixels.size() && leaders_.block_of(pixels[end]) == leaders_.block_of(pixels[begin])) ++end;
       std::array<std::pair<uint32_t, uint32_t>, DistributionLeaders::most> block;
-      for (size_t i = begin; i < end; ++i) block[i - begin] = {leader_of(pixels[i]), pixels[i]};
-      std::sort(block.begin(), block.begin() + (end - begin));
+      {
+        const TickScope scope(clock.distribution);
+        for (size_t i = begin; i < end; ++i) block[i - begin] = {leader_of(pixels[i]), pixels[i]};
+        std::sort(block.begin(), block.begin() + (end - begin));
+      }
       for (size_t i = 0; i < end - begin; ++i) visit(block[i].second);
     }
   }
@@ -320,7 +315,7 @@ class SampledPixels {
   }
 
   void render(PixelWorker& worker, std::span<const uint32_t> pixels) {
-    sampler_.in_turn(pixels, [&](uint32_t pixel) { draw(worker, pixel); });
+    sampler_.in_turn(pixels, worker.clock, [&](uint32_t pixel) { draw(worker, pixel); });
     connect(worker, draws_[1 - turn_]);
     worker.finish();
   }
@@ -330,12 +325,8 @@ class SampledPixels {
  private:
   void draw(PixelWorker& worker, uint32_t pixel) {
     if (!reflects(frame_.gbuffer->texels[pixel])) return worker.pass_by(pixel);
-    const uint64_t start = ticks_now();
     RandomStream random = pixel_stream(frame_, request_, pixel);
-    const bool drawable = sampler_.begin(pixel, random);
-    const uint64_t built = ticks_now();
-    worker.distribution_ticks += built - start;
-    if (!drawable) {
+    if (!begin(worker, pixel, random)) {
       worker.open(pixel);
       return worker.close();
     }
@@ -348,15 +339,18 @@ class SampledPixels {
       if (!draws.empty()) sampler_.sampler.draw(random, draws);
       for (const LightSample& draw : draws) prefetch_whole(frame_.tree->lights[draw.light]);
     }
-    worker.sampling_ticks += ticks_now() - built;
     turn_ = 1 - turn_;
     connect(worker, draws_[turn_]);
+  }
+
+  bool begin(PixelWorker& worker, uint32_t pixel, RandomStream& random) {
+    const TickScope scope(worker.clock.distribution);
+    return sampler_.begin(pixel, random);
   }
 
   void connect(PixelWorker& worker, PixelDraws& drawn) {
     if (!drawn.waits) return;
     drawn.waits = false;
-    const uint64_t start = ticks_now(), traced = worker.visibility_ticks();
     worker.open(drawn.pixel);
     // Both halves run along the leaves: side by side their rays stay in the order of the tree.
     const size_t most = std::max(drawn.halves[0].size(), drawn.halves[1].size());
@@ -364,7 +358,6 @@ class SampledPixels {
       for (int half = 0; half < 2; ++half)
         if (j < drawn.halves[half].size()) worker.add(drawn.halves[half][j], half);
     worker.end_draws();
-    worker.sampling_ticks += ticks_now() - start - (worker.visibility_ticks() - traced);
     worker.close();
   }
 

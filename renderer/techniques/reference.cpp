@@ -20,11 +20,9 @@ class Reference final : public Technique {
           continue;
         }
         worker.open(pixel);
-        const uint64_t start = ticks_now(), traced = worker.visibility_ticks();
         for (uint32_t i = 0; i < lights.size(); ++i)
           if (leaf_power(lights[i]) > 0) worker.add({i, 1.0f}, 0);
         worker.end_draws();
-        worker.sampling_ticks += ticks_now() - start - (worker.visibility_ticks() - traced);
         worker.close();
       }
       worker.finish();

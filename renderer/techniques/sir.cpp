@@ -7,7 +7,8 @@
 // traced:
 //   (1/N) Σ_s c_s V_s/Y(c_s) · (1/M) Σ_j w_j.
 // Given the initial set its mean is (1/M) Σ_j c_j V_j/P(X_j): unbiased for the sum over S. Each half of the
-// film has an initial set of its own, M shared out like the samples, so that the halves are independent.
+// film has an initial set of its own, M shared out between those that get samples, so that the halves are
+// independent.
 #include "lights/leaf_table.h"
 #include "techniques/illumination.h"
 #include "techniques/pixel_loop.h"
@@ -24,11 +25,11 @@ class SirSampler {
  public:
   SirSampler(const FrameView& frame, const PassRequest& request, const LeafTable& illumination)
       : frame_(&frame), illumination_(&illumination) {
-    const auto initial = static_cast<uint32_t>(frame.settings->get("sir.initial"));
+    const auto initial = static_cast<size_t>(frame.settings->get("sir.initial"));
     const std::array<uint32_t, 2> split = split_samples(request);
-    initial_per_sample_ = static_cast<double>(initial) / (split[0] + split[1]);
-    initial_.reserve(initial + 1);
-    sum_.reserve(initial + 1);
+    const size_t each = split[0] > 0 && split[1] > 0 ? (initial + 1) / 2 : initial;
+    initial_.resize(each);
+    sum_.reserve(each);
   }
 
   bool begin_pixel(const GBufferTexel& texel, RandomStream&) {
@@ -37,8 +38,6 @@ class SirSampler {
   }
 
   void draw(RandomStream& random, std::span<LightSample> out) {
-    const auto wanted = static_cast<size_t>(initial_per_sample_ * static_cast<double>(out.size()) + 0.5);
-    initial_.resize(std::max<size_t>(wanted, 1));
     illumination_->draw(random, initial_);
     weigh();
     resample(random, out);
@@ -50,12 +49,11 @@ class SirSampler {
 
   const FrameView* frame_;
   const LeafTable* illumination_;
-  double initial_per_sample_ = 0;
   const GBufferTexel* texel_ = nullptr;
   Basis basis_{};
   ConnectionBatch batch_;
-  std::vector<LightSample> initial_;
-  std::vector<double> sum_;  ///< running sum of the initial samples' w
+  std::vector<LightSample> initial_;  ///< of one half of the film
+  std::vector<double> sum_;           ///< running sum of the initial samples' w
 };
 
 /// w of all initial samples, summed up.

@@ -91,10 +91,9 @@ struct PassRequest {
   std::optional<int> half;  ///< 0 or 1: all samples to that half; none: split
   uint32_t stride = 1;      ///< 1, 2 or 4
   uint32_t offset = 0;      ///< which of the stride² interleaved subsets
-  /// Where not empty, how many samples each pixel of the picture gets: `samples` or fewer, or none. Where S
-  /// or the pixel grid is redrawn, all that get any get `samples`.
+  /// Where not empty, how many samples each pixel of the picture gets: `samples` or fewer, or none. Not where
+  /// S or the pixel grid is redrawn.
   std::span<const uint16_t> visits{};
-  bool begins_round = true;  ///< false: goes on with the round `pass`, at pixels that it has not had yet
   std::stop_token stop{};
   /// Benchmarks: sees each batch of visibility rays before it is traced, from any thread.
   std::function<void(std::span<const ShadowRay>)> watch_rays{};
@@ -165,6 +164,9 @@ struct TechniqueInfo {
   /// Its light samples know cosines, and BRDF rays are worth their cost only on specular lobes and near
   /// light.
   bool spares_brdf_rays = false;
+  /// Discrete target: pixels side by side share what is made for them, and cost less than as many that lie
+  /// apart.
+  bool neighbours_share = false;
   /// What stands in for it where a picture is wanted at once: another technique, or else itself.
   std::string_view draft_by{};
   std::span<const std::pair<std::string_view, std::string_view>> draft_values{};  ///< of itself as a draft

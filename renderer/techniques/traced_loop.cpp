@@ -170,9 +170,10 @@ void TracedWorker::push_brdf_ray(const BrdfRay& ray) {
 /// What was hit lies anywhere in memory: it is asked for some rays before it is looked at.
 void TracedWorker::trace_brdf_rays() {
   if (brdf_rays_.empty()) return;
-  const uint64_t start = ticks_now();
-  frame_.rays->intersect(closest_, false, frame_.alpha_seed, stats_.rays);
-  visibility_ticks_ += ticks_now() - start;
+  {
+    const TickScope scope(clock.visibility);
+    frame_.rays->intersect(closest_, false, frame_.alpha_seed, stats_.rays);
+  }
   const Scene& scene = *frame_.scene;
   for (size_t i = 0; i < closest_.size(); ++i) {
     if (!closest_[i].met()) continue;
@@ -184,7 +185,7 @@ void TracedWorker::trace_brdf_rays() {
   for (size_t i = 0; i < closest_.size(); ++i) {
     if (closest_[i].met())
       add_hit(brdf_rays_[i]);
-    else if (frame_.kinds.environment)
+    else if (frame_.kinds.environment && !closest_[i].ray.blocked())  // one that Embree cannot take is
       add_environment_met(brdf_rays_[i]);
   }
   brdf_rays_.clear(), closest_.clear();
@@ -333,10 +334,9 @@ void TracedWorker::light_bounce(const BouncePlace& place, Vec3 value, uint32_t s
   if (!(max_component(returned) > 0)) return;
   RandomStream random(key, 0, 0);
   if (!lights_.emitters.empty()) {
-    const uint64_t start = ticks_now();
+    const TickScope scope(clock.visibility);
     const Vec3 near = near_emission(*frame_.rays, lights_.emitters, place.position, place.normal, 1, random,
                                     frame_.alpha_seed, stats_.rays);
-    visibility_ticks_ += ticks_now() - start;
     open_[slot / 2].sum[slot % 2] += returned * near;
   }
   draw_irradiance(lights_, place, random, [&](const ShadowRay& ray, Vec3 irradiance) {
@@ -348,11 +348,12 @@ void TracedWorker::light_bounce(const BouncePlace& place, Vec3 value, uint32_t s
 
 template <class Arrive>
 void TracedWorker::trace(std::vector<ShadowRay>& rays, Arrive&& arrive) {
-  const uint64_t start = ticks_now();
   stats_.useful_rays += rays.size();
   if (request_.watch_rays) request_.watch_rays(rays);
-  frame_.rays->occluded(rays, frame_.alpha_seed, stats_.rays);
-  visibility_ticks_ += ticks_now() - start;
+  {
+    const TickScope scope(clock.visibility);
+    frame_.rays->occluded(rays, frame_.alpha_seed, stats_.rays);
+  }
   for (size_t i = 0; i < rays.size(); ++i)
     if (!rays[i].blocked()) arrive(i);
   rays.clear();
@@ -390,10 +391,9 @@ void TracedWorker::finish() {
   trace_brdf_rays();
   if (!rays_.empty()) trace_first();
   if (!bounce_rays_.empty()) trace_second();
-  const uint64_t start = ticks_now();
+  const TickScope scope(clock.resolve);
   for (uint32_t i = 0; i < open_count_; ++i) add_to_film(open_[i]);
   open_count_ = 0;
-  resolve_ticks_ += ticks_now() - start;
 }
 
 void TracedWorker::add_to_film(const OpenPixel& pixel) {
@@ -401,27 +401,6 @@ void TracedWorker::add_to_film(const OpenPixel& pixel) {
   for (int half = 0; half < 2; ++half)
     if (pixel.samples[half] > 0)
       film_.add(pixel.index, half, pixel.base + Vec3(throughput * pixel.sum[half]), pixel.samples[half]);
-}
-
-void TracedWorker::begin_tile() {
-  tile_watch_ = Stopwatch();
-  tile_start_ticks_ = ticks_now();
-  distribution_ticks = gbuffer_ticks = visibility_ticks_ = resolve_ticks_ = 0;
-}
-
-void TracedWorker::end_tile() {
-  const auto ticks = static_cast<double>(std::max<uint64_t>(ticks_now() - tile_start_ticks_, 1));
-  const double seconds = tile_watch_.seconds(), unit = seconds / ticks;
-  if (Timeline* timeline = Timeline::current()) timeline->add_tile(seconds);
-  const double visibility = static_cast<double>(visibility_ticks_) * unit,
-               resolve = static_cast<double>(resolve_ticks_) * unit,
-               distribution = static_cast<double>(distribution_ticks) * unit,
-               gbuffer = static_cast<double>(gbuffer_ticks) * unit;
-  stats_.distribution_seconds += distribution;
-  stats_.visibility_seconds += visibility;
-  stats_.resolve_seconds += resolve;
-  stats_.gbuffer_seconds += gbuffer;
-  stats_.sampling_seconds += std::max(seconds - visibility - resolve - distribution - gbuffer, 0.0);
 }
 
 PassStats run_traced_pass(const FrameView& frame, const PassRequest& request, Film& film,

@@ -5,7 +5,6 @@
 
 #include <array>
 
-#include "core/stopwatch.h"
 #include "techniques/learned_lights.h"
 #include "techniques/learned_visibility.h"
 #include "techniques/pixel_loop.h"
@@ -105,12 +104,9 @@ class TracedWorker {
   /// Traces what waits and adds all open pixels to the film.
   void finish();
 
-  void begin_tile();
-  void end_tile();
   PassStats& stats() { return stats_; }
 
-  /// Ticks that the caller spent on distributions and on finding surfaces since `begin_tile`.
-  uint64_t distribution_ticks = 0, gbuffer_ticks = 0;
+  TileClock clock;
 
  private:
   static constexpr uint32_t most_pixels = 64;
@@ -194,8 +190,6 @@ class TracedWorker {
   std::vector<WaitingBounce> bounces_;
 
   PassStats stats_;
-  Stopwatch tile_watch_;
-  uint64_t tile_start_ticks_ = 0, visibility_ticks_ = 0, resolve_ticks_ = 0;
 };
 
 /// Runs `render_tile(worker, pixels)` for each tile on all cores, with workers one a thread.
@@ -213,10 +207,10 @@ PassStats run_traced_tiles(const FrameView& frame, const PassRequest& request, c
         return;
       }
       const uint32_t count = grid.pixels(static_cast<uint32_t>(tile), pixels);
-      worker.begin_tile();
+      worker.clock.begin();
       render_tile(worker, std::span<const uint32_t>(pixels.data(), count));
       worker.finish();
-      worker.end_tile();
+      worker.clock.end(worker.stats());
     }
   });
   PassStats stats;

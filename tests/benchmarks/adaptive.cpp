@@ -35,9 +35,6 @@ AdaptiveBenchmark parse(const std::vector<std::string>& options) {
     const auto [key, value] = parse_assignment(option);
     if (key == "technique")
       benchmark.settings.technique = find_technique(value).id;
-    else if (key == "target")
-      benchmark.settings.target =
-          value == target_name(Target::continuous) ? Target::continuous : Target::discrete;
     else if (key == "size")
       std::tie(benchmark.settings.width, benchmark.settings.height) = parse_size(value);
     else if (key == "seeds")

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "commands/render_json.h"
 #include "core/errors.h"
 #include "core/stopwatch.h"
 #include "scene/scene.h"
@@ -24,9 +24,9 @@ struct BenchmarkOptions {
 /// loops; prints both.
 void benchmark_rays(const BenchmarkOptions&);
 
-/// Prints for each scene what `render --until-error 0.01` takes with adaptive sampling of what it takes
-/// without, at equal measured error, and the geometric mean. Names: scenes, technique, target, size,
-/// seeds.
+/// Prints for each scene what `render --until-error` takes with adaptive sampling of what it takes without,
+/// at equal measured error, and the geometric mean. Names: scenes; technique, size, seeds, error as
+/// KEY=VALUE.
 void benchmark_adaptive(const BenchmarkOptions&);
 
 /// Prints what the window's render thread takes from a camera's move or a light's change to its picture, how
@@ -45,6 +45,10 @@ void benchmark_steps(const BenchmarkOptions&);
 /// build.
 void benchmark_load(const BenchmarkOptions&);
 
+/// Those of `all` that are named, all where none is. Throws Error (exit code 2) at a name that is not there.
+std::vector<std::string> chosen_names(std::string_view what, const std::vector<std::string>& names,
+                                      const std::vector<std::string>& all);
+
 /// Error and time against |S|, triangles, pixels and threads; writes the curves.
 void benchmark_scale(const BenchmarkOptions&);
 
@@ -62,19 +66,23 @@ struct Seconds {
   Seconds operator+(const Seconds& o) const { return {wall + o.wall, cpu + o.cpu}; }
 };
 
-inline double process_cpu_seconds_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+/// The value that `share` of them do not exceed.
+inline double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
 
 /// Measures laps in both.
 class BothClocks {
  public:
   Seconds lap() {
-    const double now = process_cpu_seconds_now();
+    const double now = process_cpu_seconds();
     return {watch_.lap(), now - std::exchange(cpu_start_, now)};
   }
 
  private:
   Stopwatch watch_;
-  double cpu_start_ = process_cpu_seconds_now();
+  double cpu_start_ = process_cpu_seconds();
 };
 
 /// Least seconds of one call of `action` over some rounds of `repeats` calls.

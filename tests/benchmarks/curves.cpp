@@ -50,7 +50,7 @@ void print_curve(const Curve& curve) {
   for (const auto& row : curve.rows)
     for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   const auto print_row = [&](const std::vector<std::string>& row) {
-    for (size_t i = 0; i < row.size(); ++i) fmt::print("{}{:>{}}", i == 0 ? "  " : "  ", row[i], widths[i]);
+    for (size_t i = 0; i < row.size(); ++i) fmt::print("  {:>{}}", row[i], widths[i]);
     fmt::print("\n");
   };
   print_row(curve.columns);

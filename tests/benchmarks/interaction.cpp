@@ -41,8 +41,7 @@ class Latencies {
     const auto at = [&](double Latency::*what, double share) {
       std::vector<double> values;
       for (const Latency& latency : all_) values.push_back(latency.*what);
-      std::sort(values.begin(), values.end());
-      return 1e3 * values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+      return 1e3 * quantile(values, share);
     };
     const double threads = thread_count();
     return fmt::format("median {:4.0f} ms, 90 % {:4.0f} ms (processor time / {:.0f}: {:4.0f}, {:4.0f})",
@@ -57,6 +56,7 @@ class Latencies {
 template <class Done>
 std::shared_ptr<const Snapshot> wait_for(const RenderThread& thread, const Done& done) {
   for (;;) {
+    thread.rethrow_if_nothing_opened();
     const auto snapshot = thread.latest();
     if (snapshot && done(*snapshot)) return snapshot;
     std::this_thread::sleep_for(Milliseconds(1));
@@ -94,21 +94,16 @@ LightEdits brighter(LightEdits lights, float factor) {
   return lights;
 }
 
-void benchmark_scene(const std::string& scene) {
-  float ev = 0;
-  RenderThread thread([&](Messages& messages, DisplaySettings&) { return open_named(scene, messages, &ev); },
-                      window_settings(), {}, 1 << 20);
-  const auto first = wait_for(thread, [](const Snapshot& s) { return s.mean_samples > 1; });
-  fmt::print("{}\n", scene);
+constexpr int changes = 12;
 
-  // Single moves, to and fro, each while the picture before converges.
-  constexpr int moves = 12;
-  Camera camera = first->camera;
+/// Single moves, to and fro, each while the picture before converges; the last one's picture.
+std::shared_ptr<const Snapshot> time_moves(RenderThread& thread, const Snapshot& first) {
+  Camera camera = first.camera;
   Latencies latencies;
   std::shared_ptr<const Snapshot> shown;
-  for (int i = 0; i < moves; ++i) {
+  for (int i = 0; i < changes; ++i) {
     const float side = i % 2 == 0 ? 1.0f : -1.0f;
-    camera = orbit_by_drag(camera, first->pivot, {8 * side, 2 * side}, height);
+    camera = orbit_by_drag(camera, first.pivot, {8 * side, 2 * side}, height);
     shown = timed(
         thread, [&] { thread.set_camera(camera); },
         [&](const Snapshot& s) { return same_camera(s.camera, camera); }, latencies);
@@ -123,37 +118,52 @@ void benchmark_scene(const std::string& scene) {
       "visibility {:.0f}\n",
       1e3 * stages.raster, 1e3 * stages.lights, 1e3 * stages.distribution, 1e3 * stages.sampling,
       1e3 * stages.visibility);
+  return shown;
+}
 
-  // Moves sixty times a second.
+/// Pictures while the camera moves sixty times a second.
+void count_pictures(RenderThread& thread, const Snapshot& first, Camera camera) {
   constexpr double seconds = 3;
   size_t pictures = 0;
   const double cpu = process_cpu_seconds();
-  const Snapshot* last = nullptr;
+  std::shared_ptr<const Snapshot> last;
   for (const Stopwatch watch; watch.seconds() < seconds; std::this_thread::sleep_for(Milliseconds(16))) {
-    thread.set_camera(
-        camera = orbit_by_drag(camera, first->pivot, {pictures % 20 < 10 ? 2.0f : -2.0f, 0}, height));
-    if (const auto latest = thread.latest(); latest.get() != last) last = latest.get(), ++pictures;
+    thread.set_camera(camera =
+                          orbit_by_drag(camera, first.pivot, {pictures % 20 < 10 ? 2.0f : -2.0f, 0}, height));
+    if (auto latest = thread.latest(); latest != last) last = std::move(latest), ++pictures;
   }
   const double used = (process_cpu_seconds() - cpu) / thread_count();
   fmt::print("  camera that moves on: {:.1f} pictures a second ({:.1f} a second of processor time / {})\n",
              static_cast<double>(pictures) / seconds, static_cast<double>(pictures) / used, thread_count());
+}
 
-  // A slider of all light.
-  Latencies relit;
+/// A slider of all light.
+void time_light(RenderThread& thread, const Snapshot& first) {
+  Latencies latencies;
   std::vector<double> lights;
-  for (int i = 0; i < moves; ++i) {
-    const LightEdits edits = brighter(first->lights, 1 + 0.02f * static_cast<float>(i + 1));
+  for (int i = 0; i < changes; ++i) {
+    const LightEdits edits = brighter(first.lights, 1 + 0.02f * static_cast<float>(i + 1));
     const auto snapshot = timed(
         thread, [&] { thread.edit_lights(edits); },
         [&](const Snapshot& s) { return s.lights.environment_strength == edits.environment_strength; },
-        relit);
+        latencies);
     lights.push_back(snapshot->stats.seconds.lights);
     std::this_thread::sleep_for(Milliseconds(50));
   }
-  std::sort(lights.begin(), lights.end());
-  fmt::print("  light, to its first picture:  {}\n", relit.text());
+  fmt::print("  light, to its first picture:  {}\n", latencies.text());
   fmt::print("    of it points, tree and cut: median {:.0f} ms, 90 % {:.0f} ms of wall time\n",
-             1e3 * lights[lights.size() / 2], 1e3 * lights[lights.size() * 9 / 10]);
+             1e3 * quantile(lights, 0.5), 1e3 * quantile(lights, 0.9));
+}
+
+void benchmark_scene(const std::string& scene) {
+  float ev = 0;
+  RenderThread thread([&](Messages& messages, DisplaySettings&) { return open_named(scene, messages, &ev); },
+                      window_settings(), {}, 1 << 20);
+  const auto first = wait_for(thread, [](const Snapshot& s) { return s.mean_samples > 1; });
+  fmt::print("{}\n", scene);
+  const auto shown = time_moves(thread, *first);
+  count_pictures(thread, *first, shown->camera);
+  time_light(thread, *first);
   thread.set_paused(true);
 
   const ImageRgb reference = converged(scene, shown->camera);

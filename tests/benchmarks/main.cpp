@@ -9,6 +9,13 @@
 
 using namespace halflight;
 
+std::vector<std::string> halflight::chosen_names(std::string_view what, const std::vector<std::string>& names,
+                                                 const std::vector<std::string>& all) {
+  for (const std::string& name : names)
+    if (std::find(all.begin(), all.end(), name) == all.end()) throw unknown_name(what, name, all);
+  return names.empty() ? all : names;
+}
+
 namespace {
 
 struct Benchmark {
@@ -22,7 +29,7 @@ constexpr Benchmark benchmarks[] = {
      "rays a second in the renderer and in a bare loop (SCENE may be a view: FILE.json#NAME)", true, true,
      benchmark_rays},
     {"adaptive", "[SCENE...] [KEY=VALUE...]",
-     "--until-error with adaptive sampling against without (technique, target, size, seeds, error)", false, true,
+     "--until-error with adaptive sampling against without (technique, size, seeds, error)", false, true,
      benchmark_adaptive},
     {"interaction", "[SCENE...]", "from a change to its picture, in the window's render thread", false, true,
      benchmark_interaction},

@@ -212,9 +212,11 @@ void time_scene(const OutsideScene& scene, const fs::path& folder, const Benchma
 void benchmark_outside(const BenchmarkOptions& options) {
   const TemporaryFolder temporary;
   const fs::path folder = options.folder.empty() ? temporary.path() : options.folder;
+  std::vector<std::string> all;
+  for (const OutsideScene& scene : outside_scenes) all.emplace_back(scene.name);
+  const std::vector<std::string> chosen = chosen_names("scene", options.names, all);
   for (const OutsideScene& scene : outside_scenes)
-    if (options.names.empty() ||
-        std::find(options.names.begin(), options.names.end(), scene.name) != options.names.end())
+    if (std::find(chosen.begin(), chosen.end(), scene.name) != chosen.end())
       time_scene(scene, folder, options);
 }
 

@@ -240,14 +240,11 @@ constexpr std::pair<std::string_view, void (*)(const BenchmarkOptions&)> parts[]
 }  // namespace
 
 void benchmark_scale(const BenchmarkOptions& options) {
-  for (const std::string& name : options.names)
-    if (std::none_of(std::begin(parts), std::end(parts),
-                     [&](const auto& part) { return part.first == name; }))
-      throw unknown_name("curve", name, {"lights", "triangles", "image", "threads"});
+  std::vector<std::string> all;
+  for (const auto& [name, run] : parts) all.emplace_back(name);
+  const std::vector<std::string> chosen = chosen_names("curve", options.names, all);
   for (const auto& [name, run] : parts)
-    if (options.names.empty() ||
-        std::find(options.names.begin(), options.names.end(), name) != options.names.end())
-      run(options);
+    if (std::find(chosen.begin(), chosen.end(), name) != chosen.end()) run(options);
 }
 
 }  // namespace halflight

@@ -26,11 +26,11 @@ Run run_once(Session& session, const ErrorGoal& goal, size_t rounds) {
   constexpr size_t most_rounds = 64;
   Run run;
   session.start_over();
-  const double cpu_start = process_cpu_seconds_now();
+  const double cpu_start = process_cpu_seconds();
   Stopwatch watch;
   session.frame();
   run.prepare_seconds = watch.seconds();
-  double seconds = run.prepare_seconds, cpu_seconds = process_cpu_seconds_now() - cpu_start;
+  double seconds = run.prepare_seconds, cpu_seconds = process_cpu_seconds() - cpu_start;
   const auto done = [&] {
     if (rounds > 0) return run.rounds.size() >= rounds;
     const double error = session.estimated_relmse();
@@ -38,10 +38,10 @@ Run run_once(Session& session, const ErrorGoal& goal, size_t rounds) {
            (run.rounds.size() >= 2 && error >= 0 && error < 0.6 * goal.relmse);
   };
   while (!done()) {
-    const double cpu_before = process_cpu_seconds_now();
+    const double cpu_before = process_cpu_seconds();
     watch.lap();
     session.run_pass(goal.samples_a_round, 1, 0);
-    seconds += watch.lap(), cpu_seconds += process_cpu_seconds_now() - cpu_before;
+    seconds += watch.lap(), cpu_seconds += process_cpu_seconds() - cpu_before;
     run.rounds.push_back({seconds, cpu_seconds, session.film().image()});
   }
   return run;

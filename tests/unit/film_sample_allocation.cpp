@@ -1,8 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <set>
-
 #include "core/random.h"
 #include "film/sample_allocation.h"
 
@@ -56,23 +53,10 @@ TEST(SampleAllocation, FollowsTheStandardDeviation) {
   const Film film = uniform_film(1, draw);
   const SampleAllocation allocation = learned(film);
   std::vector<uint16_t> samples;
-  ASSERT_TRUE(
-      allocation.next_round(film, allocation.scale_for_samples(film, 2000), 4096, VisitSizes::any, samples));
+  ASSERT_TRUE(allocation.next_round(film, allocation.scale_for_samples(film, 2000), 4096, samples));
   // Away from the border between the two; smoothing leaves some spread.
   const double ratio = static_cast<double>(total(samples, 0, 10)) / total(samples, 22, side);
   EXPECT_NEAR(ratio, 4, 0.8);
-}
-
-TEST(SampleAllocation, GivesPowersOfTwoWhereEachIsAPassOfItsOwn) {
-  const Film film = uniform_film(7, [](uint32_t, RandomStream& random) { return rare(random); });
-  const SampleAllocation allocation = learned(film);
-  std::vector<uint16_t> samples;
-  ASSERT_TRUE(allocation.next_round(film, allocation.scale_for_samples(film, 100), 256,
-                                    VisitSizes::powers_of_two, samples));
-  std::set<uint16_t> sizes(samples.begin(), samples.end());
-  sizes.erase(0);
-  EXPECT_GT(sizes.size(), 1u);
-  for (const uint16_t size : sizes) EXPECT_TRUE(std::has_single_bit(size)) << size;
 }
 
 TEST(SampleAllocation, APixelsOwnSamplesDecideNothingThere) {
@@ -88,8 +72,8 @@ TEST(SampleAllocation, APixelsOwnSamplesDecideNothingThere) {
                 a_round / 2);
   const SampleAllocation a = learned(film), b = learned(other);
   std::vector<uint16_t> samples_a, samples_b;
-  ASSERT_TRUE(a.next_round(film, 200, 256, VisitSizes::any, samples_a));
-  ASSERT_TRUE(b.next_round(other, 200, 256, VisitSizes::any, samples_b));
+  ASSERT_TRUE(a.next_round(film, 200, 256, samples_a));
+  ASSERT_TRUE(b.next_round(other, 200, 256, samples_b));
   EXPECT_EQ(samples_a[pixel], samples_b[pixel]);
   EXPECT_LT(samples_a[pixel + 1], samples_b[pixel + 1]) << "its neighbours do not hear of it";
 }
@@ -101,7 +85,7 @@ TEST(SampleAllocation, ExpectsTheErrorThatComes) {
   const double wanted = 0.5, scale = allocation.scale_for_error(film, wanted);
   EXPECT_NEAR(allocation.expected_relmse(film, scale), wanted, 1e-3);
   std::vector<uint16_t> samples;
-  while (allocation.next_round(film, scale, 256, VisitSizes::any, samples))
+  while (allocation.next_round(film, scale, 256, samples))
     for (uint32_t i = 0; i < pixel_count; ++i) {
       RandomStream random(i, film.samples(i), 4);
       sample(film, i, samples[i], random, rare);
@@ -121,8 +105,7 @@ TEST(SampleAllocation, LeavesTheMeanUnbiased) {
     const SampleAllocation allocation = learned(film);
     std::vector<uint16_t> samples;
     for (const double mean : {20.0, 40.0})
-      if (allocation.next_round(film, allocation.scale_for_samples(film, mean), 256, VisitSizes::any,
-                                samples))
+      if (allocation.next_round(film, allocation.scale_for_samples(film, mean), 256, samples))
         for (uint32_t i = 0; i < pixel_count; ++i) {
           RandomStream random(i, film.samples(i), seed);
           if (samples[i] > 0) sample(film, i, samples[i], random, rare);
