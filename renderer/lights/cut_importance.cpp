@@ -128,6 +128,7 @@ struct HalfVectorLobe {
   float width_x, width_y;    ///< α²/(1 − α²) along both axes
   float f0, f_rise;          ///< Schlick: F0 and f90 − F0, luminances
   float half_cosine_weight;  ///< 1: density of reflected directions is D/4(h·wo); 0: of visible normals
+  float masking;             ///< α² of Smith's masking towards the light
 };
 
 // The lobe's importance goes in three steps over some clusters at a time. One loop would be so long that the
@@ -212,9 +213,9 @@ HALFLIGHT_SIMD_CLONES void lobe_block(const View& v, const HalfVectorLobe& its_l
                           (pi * (jacobian > 1e-4f ? jacobian : 1e-4f));
 
     const float cosine = block.cosine[i];
-    // 0 below the horizon, near 1 a few degrees above it.
-    const float above = cosine / (cosine + 1.0f / 64);
-    const float prior = above * (1.0f - counted * has_extent[i]);
+    const float masked =
+        2.0f * cosine / (cosine + std::sqrt(lobe.masking + (1.0f - lobe.masking) * cosine * cosine));
+    const float prior = masked * (1.0f - counted * has_extent[i]);
     importance[i] = arriving[i] * (diffuse * cosine + prior * density);
   }
 }
@@ -252,12 +253,24 @@ float projected_width(float alpha) {
 float width_of_exponent(float exponent) { return std::clamp(4 / (exponent + 1), 1e-8f, 1e4f); }
 
 HalfVectorLobe half_vector_lobe(const Brdf& brdf) {
+  constexpr float least_masking = 1e-3f;  // 0 below the horizon, near 1 a few degrees above it
+  // Less than the lobe's own: of a cluster whose mean cosine is small some members may stand higher, and are
+  // not to be missed.
+  constexpr float share_of_masking = 0.25f;
   const float f0 = luminance(brdf.specular);
   if (brdf.model == BrdfModel::ggx)
-    return {projected_width(brdf.roughness.x), projected_width(brdf.roughness.y), f0,
-            std::max(brdf.f90 - f0, 0.0f), 0};
-  return {width_of_exponent(brdf.roughness.x), width_of_exponent(brdf.roughness.y), f0,
-          std::max(1 - f0, 0.0f), 1};
+    return {projected_width(brdf.roughness.x),
+            projected_width(brdf.roughness.y),
+            f0,
+            std::max(brdf.f90 - f0, 0.0f),
+            0,
+            std::max(share_of_masking * brdf.roughness.x * brdf.roughness.y, least_masking)};
+  return {width_of_exponent(brdf.roughness.x),
+          width_of_exponent(brdf.roughness.y),
+          f0,
+          std::max(1 - f0, 0.0f),
+          1,
+          least_masking};
 }
 
 float diffuse_luminance(const Brdf& brdf) {
