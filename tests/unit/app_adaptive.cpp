@@ -73,5 +73,18 @@ TEST(Adaptive, TheMeanIsTheSum) {
   EXPECT_LT(std::sqrt(found.variance_of_mean.back()), 0.003 * truth.back()) << "too few seeds to tell";
 }
 
+// The last pass is as large as there is room for, and no pass begins that there is none for.
+TEST(Adaptive, KeepsToTheSamplesAskedFor) {
+  Messages messages;
+  Session session(load_scene("plate", {}, messages), settings_of("bidirectional", Target::discrete),
+                  messages);
+  for (const uint32_t wanted : {8u, 11u, 32u, 100u, 317u}) {
+    session.start_over();
+    EXPECT_EQ(sample_until(session, samples(wanted, true), Stopwatch(), {}, {}), StopReason::samples);
+    EXPECT_LE(session.film().mean_samples(), wanted + 0.1) << wanted;  // visits are of whole samples
+    EXPECT_GE(session.film().mean_samples(), 0.8 * wanted) << wanted;
+  }
+}
+
 }  // namespace
 }  // namespace halflight

@@ -211,6 +211,15 @@ TEST(Rays, ClosestHitsGoThroughHoles) {
     EXPECT_FLOAT_EQ(hit.distance, alpha < pane.alpha_cutoff ? 3 : 2);
     EXPECT_EQ(scene.triangle_material[hit.point.triangle], alpha < pane.alpha_cutoff ? 0u : 1u);
     EXPECT_NEAR(surface_position(scene, hit.point).x, 0.1f, 1e-6f);
+
+    // A stream of them meets and counts the same.
+    RayCounters of_stream;
+    std::array<ClosestRay, 1> stream{ClosestRay{{0.1f, 3, 0.2f, 0, 0, -1, 0, 0, infinity}}};
+    rays.intersect(stream, true, 0, of_stream);
+    ASSERT_TRUE(stream[0].met());
+    EXPECT_EQ(rays.hit_of(stream[0]).point.triangle, hit.point.triangle);
+    EXPECT_EQ(of_stream.alpha_tests, counters.alpha_tests);
+    EXPECT_GT(of_stream.alpha_tests, 0u);
   }
 }
 
