@@ -43,6 +43,8 @@ int run_command(const Options& options) {
 /// The command, with a timeline of it where one is asked for.
 int run_traced(const Options& options) {
   if (options.trace.empty()) return run_command(options);
+  if (options.trace == "-" && options.json == "-")
+    throw usage_error("--trace and --json: only one of them can go to standard output");
   check_writable(options.trace);
   const Timeline timeline;
   const int code = run_command(options);

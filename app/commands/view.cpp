@@ -1,10 +1,26 @@
+#include <fmt/format.h>
+
 #include "commands/commands.h"
+#include "commands/json_output.h"
 #include "commands/open_scene.h"
 #include "viewer/viewer.h"
 
 namespace halflight {
 
+namespace {
+
+/// What can be known of the capture before minutes of sampling.
+void check_capture(const std::string& file) {
+  if (file.empty()) return;
+  if (!file.ends_with(".png") && !file.ends_with(".PNG"))
+    throw usage_error(fmt::format("--capture: '{}' does not end in .png", file));
+  check_writable(file);
+}
+
+}  // namespace
+
 int run_view(const Options& options) {
+  check_capture(options.capture);
   ViewerStart start;
   start.loader = [options](Messages& messages, DisplaySettings& display) {
     OpenedScene opened = open_scene(options, messages);
