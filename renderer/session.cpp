@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/stopwatch.h"
@@ -21,6 +22,14 @@ bool group_changed(const SettingValues& a, const SettingValues& b, std::span<con
 bool another_frame(const Plan& a, const Plan& b) {
   return a.gbuffer != b.gbuffer || a.direct_punctual != b.direct_punctual || a.shadow_maps != b.shadow_maps ||
          a.antialiased != b.antialiased;
+}
+
+/// Of the places 0 … extent - 1 in runs of `side`, those of each fourth run, from run `first` on.
+std::vector<uint32_t> every_fourth(uint32_t extent, uint32_t side, uint32_t first) {
+  std::vector<uint32_t> places;
+  for (uint32_t i = 0; i < extent; ++i)
+    if (i / side % 4 == first) places.push_back(i);
+  return places;
 }
 
 }  // namespace
@@ -110,34 +119,28 @@ bool Session::neighbours_share() const {
 }
 
 size_t Session::run_subset(uint32_t samples, uint32_t subset, std::stop_token stop) {
-  constexpr uint32_t stride = 4;
+  constexpr uint32_t stride = 4, most_samples = std::numeric_limits<uint16_t>::max();
   static_assert(subsets == stride * stride);
   const auto width = static_cast<uint32_t>(impl_->film.width()),
              height = static_cast<uint32_t>(impl_->film.height());
   // Blocks that techniques make things for, or parts of those where the picture has few.
   const uint32_t side = !neighbours_share() ? 1 : std::min(width, height) >= 256 ? 16 : 4;
-  const auto is_in = [&](uint32_t x, uint32_t y) {
-    return x / side % stride == subset % stride && y / side % stride == subset / stride;
-  };
-  size_t pixels = 0;
-  std::vector<uint16_t> visits(side > 1 ? size_t{width} * height : 0, 0);
-  constexpr uint32_t most_samples = 0xffff;
-  for (uint32_t y = 0; y < height; ++y)
-    for (uint32_t x = 0; x < width; ++x)
-      if (is_in(x, y)) {
-        ++pixels;
-        if (side > 1) visits[size_t{y} * width + x] = static_cast<uint16_t>(std::min(samples, most_samples));
-      }
+  const std::vector<uint32_t> columns = every_fourth(width, side, subset % stride);
+  const std::vector<uint32_t> rows = every_fourth(height, side, subset / stride);
   if (side == 1) {
     run_pass(samples, stride, subset, std::move(stop));
-    return pixels;
+  } else {
+    PassRequest request;
+    request.samples = std::min(samples, most_samples);
+    std::vector<uint16_t>& visits = impl_->subset_visits;
+    visits.assign(size_t{width} * height, 0);
+    for (const uint32_t y : rows)
+      for (const uint32_t x : columns) visits[size_t{y} * width + x] = static_cast<uint16_t>(request.samples);
+    request.visits = visits;
+    request.stop = std::move(stop);
+    impl_->run_pass(std::move(request), subset + 1 == subsets);
   }
-  PassRequest request;
-  request.samples = std::min(samples, most_samples);
-  request.visits = visits;
-  request.stop = std::move(stop);
-  impl_->run_pass(std::move(request), subset + 1 == subsets);
-  return pixels;
+  return columns.size() * rows.size();
 }
 
 void Session::run_visits(uint32_t most, std::span<const uint16_t> visits, std::stop_token stop) {

@@ -73,7 +73,8 @@ struct Session::Impl {
   uint32_t round = 0;           ///< of this film; each has its own draws
   bool frame_is_drawn = false;  ///< continuous target: S and pixel grid of `drawn_round` are in place
   uint32_t drawn_round = 0;
-  uint64_t alpha_tests_known = 0;  ///< of `stats.rays`, those that the stage's counter has
+  std::vector<uint16_t> subset_visits;  ///< PassRequest::visits of the subset in hand; keeps its memory
+  uint64_t alpha_tests_known = 0;       ///< of `stats.rays`, those that the stage's counter has
 };
 
 /// Throws Error (exit code 4) where the technique runs on OpenGL and there is to be none.

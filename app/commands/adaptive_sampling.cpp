@@ -47,19 +47,12 @@ std::optional<StopReason> AdaptiveSampler::done() {
   return std::nullopt;
 }
 
-/// How many samples a pixel there may still be, on average, by what the goal says of samples and time.
-double AdaptiveSampler::room() const {
-  double room = infinity;
-  if (goal_.samples) room = *goal_.samples - session_.film().mean_samples();
-  if (goal_.seconds && seconds_a_sample_ > 0)
-    room = std::min(room, (*goal_.seconds - clock_.seconds()) / seconds_a_sample_);
-  return std::max(room, 0.0);
-}
-
-/// Whose end it is where there is no room for a pass.
-StopReason AdaptiveSampler::no_room() const {
-  const double samples = goal_.samples ? *goal_.samples - session_.film().mean_samples() : infinity;
-  return room() < samples ? StopReason::time : StopReason::samples;
+AdaptiveSampler::Room AdaptiveSampler::room() const {
+  Room room;
+  if (goal_.samples) room.samples = std::max(0.0, *goal_.samples - session_.film().mean_samples());
+  if (!goal_.seconds || seconds_a_sample_ <= 0) return room;
+  const double fit = std::max(0.0, (*goal_.seconds - clock_.seconds()) / seconds_a_sample_);
+  return fit < room.samples ? Room{fit, StopReason::time} : room;
 }
 
 void AdaptiveSampler::end_pass(double start, double samples) {
@@ -74,10 +67,10 @@ std::optional<StopReason> AdaptiveSampler::uniform_pass() {
   if (uniform_ == 0) {
     samples = goal_.seconds ? least_samples : pilot_samples;
     if (goal_.samples) samples = std::clamp(*goal_.samples, least_samples, samples);
-  } else if (room() < least_samples) {
-    return no_room();
   } else {
-    samples = static_cast<uint32_t>(std::min<double>(samples, room()));
+    const Room left = room();
+    if (left.samples < least_samples) return left.end;
+    samples = static_cast<uint32_t>(std::min<double>(samples, left.samples));
   }
   const Film before = session_.film();
   const double start = clock_.seconds();
@@ -93,7 +86,8 @@ std::optional<StopReason> AdaptiveSampler::uniform_pass() {
 double AdaptiveSampler::next_scale() const {
   const Film& film = session_.film();
   const double samples = film.mean_samples();
-  double scale = allocation_.scale_for_samples(film, std::min(samples * most_growth, samples + room()));
+  double scale =
+      allocation_.scale_for_samples(film, std::min(samples * most_growth, samples + room().samples));
   if (goal_.error) {
     // What the film finds against what was expected of it corrects the expectation.
     const double expected = allocation_.expected_relmse(film, 0);
@@ -109,10 +103,11 @@ std::optional<StopReason> AdaptiveSampler::adapted_round() {
   const Film& film = session_.film();
   // Pixels wait until they lack enough to be worth a visit; with none worth one the step has to be larger.
   double scale = next_scale();
-  const double most = film.mean_samples() + room();
+  const Room left = room();
+  const double most = film.mean_samples() + left.samples;
   const double most_scale = std::isfinite(most) ? allocation_.scale_for_samples(film, most) : infinity;
   while (!allocation_.next_round(film, scale, most_in_a_visit, visits_)) {
-    if (scale >= most_scale) return no_room();
+    if (scale >= most_scale) return left.end;
     scale = std::min(scale * least_step, most_scale);
   }
   do {

@@ -21,8 +21,12 @@ class AdaptiveSampler {
   std::optional<StopReason> adapted_round();
   std::optional<StopReason> cut_short() const;
   double next_scale() const;
-  double room() const;
-  StopReason no_room() const;
+  /// How many samples a pixel there may still be, on average, and whose end it is when they are spent.
+  struct Room {
+    double samples = infinity;
+    StopReason end = StopReason::samples;
+  };
+  Room room() const;
   void end_pass(double start, double samples);
 
   Session& session_;

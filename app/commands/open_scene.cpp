@@ -1,5 +1,7 @@
 #include "commands/open_scene.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -18,6 +20,19 @@ void apply_environment(Scene& scene, const Options& options, Messages& messages)
     messages.warn("there is no environment to turn or strengthen; --environment gives one");
   if (options.environment_rotation) scene.environment.rotation = *options.environment_rotation;
   if (options.environment_strength) scene.environment.strength = *options.environment_strength;
+}
+
+/// A picture that cannot fit is refused with a reason, where the system would end the program without one.
+void check_memory(const RenderSettings& settings) {
+  const double bytes_a_pixel =
+      sizeof(GBufferTexel) + 2 * (sizeof(Vec3d) + sizeof(uint32_t)) + 3 * sizeof(Vec3);
+  const double needed = bytes_a_pixel * settings.width * settings.height;
+  const double machine =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (needed > machine)
+    throw Error(ExitCode::failure,
+                fmt::format("--size {}x{} needs about {:.0f} GB of memory, the machine has {:.0f}",
+                            settings.width, settings.height, needed / 1e9, machine / 1e9));
 }
 
 }  // namespace
@@ -40,6 +55,7 @@ size_t find_camera(const Scene& scene, const std::string& name_or_index) {
 
 OpenedScene open_scene(const Options& options, Messages& messages) {
   const TimelineScope scope("load");
+  check_memory(options.render);
   Stopwatch watch;
   OpenedScene opened;
   messages.strict = options.strict;

@@ -1,6 +1,4 @@
 // halflight render: one picture, no window.
-#include <unistd.h>
-
 #include <algorithm>
 
 #include "commands/commands.h"
@@ -39,19 +37,6 @@ void check_outputs(const Options& options) {
     throw usage_error("--json: names the same file as --output");
   check_writable(options.output);
   check_writable(options.json);
-}
-
-/// A picture that cannot fit is refused with a reason, where the system would end the program without one.
-void check_memory(const RenderSettings& settings) {
-  const double bytes_a_pixel =
-      sizeof(GBufferTexel) + 2 * (sizeof(Vec3d) + sizeof(uint32_t)) + 3 * sizeof(Vec3);
-  const double needed = bytes_a_pixel * settings.width * settings.height;
-  const double machine =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (needed > machine)
-    throw Error(ExitCode::failure,
-                fmt::format("--size {}x{} needs about {:.0f} GB of memory, the machine has {:.0f}",
-                            settings.width, settings.height, needed / 1e9, machine / 1e9));
 }
 
 SamplingGoal goal_of(const Options& options) {
@@ -100,7 +85,6 @@ std::string summary(const RenderRecord& record) {
 
 int run_render(const Options& options) {
   check_outputs(options);
-  check_memory(options.render);
   Stopwatch since_start;
   Interruption interruption;
   set_thread_count(options.threads);
@@ -132,6 +116,9 @@ int run_render(const Options& options) {
   record.cpu_seconds = process_cpu_seconds();
   if (max_component(session.film().mean_radiance()) <= 0)
     messages.warn("the picture is black: no light reaches what the camera sees");
+  if (const TechniqueInfo& info = find_technique(session.settings().technique);
+      info.device == Device::gpu && !session.plan().runs.has(Stage::gpu_environment))
+    messages.warn(fmt::format("{} shows light of the environment only, and here is none", info.id));
   if (const auto first = session.film().first_nan()) {
     const auto width = static_cast<uint32_t>(session.film().width());
     messages.warn(fmt::format(

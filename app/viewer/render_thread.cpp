@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/timeline.h"
 #include "film/preview.h"
 
 namespace halflight {
@@ -297,6 +298,7 @@ bool RenderThread::converged() const {
 }
 
 void RenderThread::publish() {
+  const TimelineScope scope("publish");
   auto snapshot = std::make_shared<Snapshot>();
   const Film& film = session_->film();
   snapshot->scene_number = scene_number_;

@@ -82,7 +82,7 @@ Scene load_scene(const std::string& name_or_path, const LoadOptions& options, Me
   std::error_code fault;
   if (!fs::exists(path, fault)) {
     if (path.has_extension() || path.has_parent_path())
-      throw usage_error(fmt::format("{}: there is no such file", name_or_path));
+      throw input_error(name_or_path, "", "no such file");
     throw unknown_name("scene", name_or_path, names);
   }
   Scene scene = load_file(path, options, messages);

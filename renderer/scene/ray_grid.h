@@ -11,9 +11,8 @@
 namespace halflight {
 
 /// Cubic cells over the scene's bounds, 48 along the longest side, or half as many, and half again, where
-/// triangles would lie in very many. Cells that hold very many
-/// triangles count as solid blocks and of huge scenes only a part is taken, so that neither building nor
-/// casting can take long.
+/// triangles would lie in very many. Cells that hold very many triangles count as solid blocks and of huge
+/// scenes only a part is taken, so that neither building nor casting can take long.
 class RayGrid {
  public:
   explicit RayGrid(const Scene&);

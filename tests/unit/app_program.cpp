@@ -44,7 +44,7 @@ TEST_F(Program, FilesOfAnotherKind) {
   expect_fault(run({"info", "picture.png"}), 3, "picture.png");
   expect_fault(run({"info", "words.gltf"}), 3, "words.gltf");
   expect_fault(run({"render", "short.glb", "-o", "x.exr"}), 3, "short.glb: ");
-  expect_fault(run({"info", "missing.glb"}), 2, "missing.glb");
+  expect_fault(run({"info", "missing.glb"}), 3, "missing.glb: no such file");
   expect_fault(run({"info", "."}), 3, ".");
   expect_fault(run(small("x.exr", {"--environment", "words.gltf"})), 3, "words.gltf");
   expect_fault(run(small("x.exr", {"--environment", "missing.hdr"})), 3, "missing.hdr");
@@ -62,6 +62,13 @@ TEST_F(Program, StrictRefusesWhatAPlaceholderStandsInFor) {
   EXPECT_NE(lenient.err.find("no-such-picture.png"), std::string::npos) << lenient.err;
   EXPECT_EQ(run({"info", scene, "--quiet"}).err, "");
   expect_fault(run({"info", scene, "--strict"}), 3, "no-such-picture.png");
+}
+
+TEST_F(Program, ATechniqueWithNothingToShowSaysSo) {
+  const Outcome outcome = run(small("x.png", {"--technique", "filtered", "--backend", "auto"}));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("warning: filtered shows light of the environment only"), std::string::npos)
+      << outcome.err;
 }
 
 TEST_F(Program, OutputsThatCannotBeWrittenAreNoticedBeforeWork) {
@@ -238,9 +245,8 @@ TEST_F(Program, TimeAndErrorEndAPicture) {
 
 TEST_F(Program, AdaptiveSamplingIsAskedForAndSaid) {
   const auto render = [&](const std::string& output, const Arguments& more) {
-    Arguments arguments =
-        small(output, {"--target", "discrete", "--samples", "1000000", "--until-error", "0.02", "--json",
-                       "x.json"});
+    Arguments arguments = small(output, {"--target", "discrete", "--samples", "1000000", "--until-error",
+                                         "0.02", "--json", "x.json"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     EXPECT_EQ(run(arguments).code, 0);
     return json::parse(text_of(at("x.json")));
@@ -353,8 +359,7 @@ TEST_F(Program, ErrorMeasuresAndJudges) {
 TEST_F(Program, InfoShowsSceneAndPlan) {
   const Outcome outcome = run({"info", "cornell"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  for (const char* words :
-       {"Geometry", "triangles", "Materials", "Cameras", "Plan for halflight", "runs"})
+  for (const char* words : {"Geometry", "triangles", "Materials", "Cameras", "Plan for halflight", "runs"})
     EXPECT_NE(outcome.out.find(words), std::string::npos) << words;
 }
 
