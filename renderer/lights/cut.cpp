@@ -139,10 +139,11 @@ void fill_leaves(Cut& cut, size_t count, const Weight& weight, const ClusterWeig
 /// Calls f with each array of clusters and what stands where there is none.
 template <class F>
 void for_each_array(const F& f) {
-  for (const auto array : {&Cut::power,    &Cut::radiance, &Cut::centre_x, &Cut::centre_y,  &Cut::centre_z,
-                           &Cut::normal_x, &Cut::normal_y, &Cut::normal_z, &Cut::radius,    &Cut::extent_x,
-                           &Cut::extent_y, &Cut::extent_z, &Cut::low_x,    &Cut::low_y,     &Cut::low_z,
-                           &Cut::high_x,   &Cut::high_y,   &Cut::high_z,   &Cut::softening, &Cut::has_extent})
+  for (const auto array :
+       {&Cut::power,     &Cut::radiance,  &Cut::centre_x,  &Cut::centre_y, &Cut::centre_z, &Cut::normal_x,
+        &Cut::normal_y,  &Cut::normal_z,  &Cut::radius,    &Cut::extent_x, &Cut::extent_y, &Cut::extent_z,
+        &Cut::thickness, &Cut::low_x,     &Cut::low_y,     &Cut::low_z,    &Cut::high_x,   &Cut::high_y,
+        &Cut::high_z,    &Cut::softening, &Cut::has_extent})
     f(array, 0.0f);
   for (const auto array : {&Cut::measure, &Cut::local, &Cut::normal_spread}) f(array, 1.0f);
   for (const auto array : {&Cut::node, &Cut::begin, &Cut::end}) f(array, 0u);
@@ -172,7 +173,7 @@ void set_cluster(Cut& cut, uint32_t k, const LightNode& node) {
   cut.normal_x[k] = normal.x, cut.normal_y[k] = normal.y, cut.normal_z[k] = normal.z;
   const Vec3 extent = glm::max(node.high - node.centre, node.centre - node.low);
   cut.extent_x[k] = extent.x, cut.extent_y[k] = extent.y, cut.extent_z[k] = extent.z;
-  cut.radius[k] = glm::length(extent);
+  cut.radius[k] = glm::length(extent), cut.thickness[k] = node.thickness;
   cut.low_x[k] = node.low.x, cut.low_y[k] = node.low.y, cut.low_z[k] = node.low.z;
   cut.high_x[k] = node.high.x, cut.high_y[k] = node.high.y, cut.high_z[k] = node.high.z;
   cut.local[k] = distant ? 0.0f : 1.0f;

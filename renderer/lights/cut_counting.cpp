@@ -183,6 +183,17 @@ Box candidate_box(const Cut& cut, uint32_t k, Vec3 x) {
   return {low - x, high - x, 1e-3f * cut.radius[k]};
 }
 
+/// Whether a cluster is a plate that x lies in: tilted, its box is deep, but a ray leaves it without meeting
+/// anything but the point's own surface.
+bool lies_in_plate(const Cut& cut, uint32_t k, Vec3 x) {
+  constexpr float thin = 0.02f;  // of the radius
+  if (cut.local[k] == 0 || cut.thickness[k] > thin * cut.radius[k]) return false;
+  const Vec3 from_centre = x - Vec3(cut.centre_x[k], cut.centre_y[k], cut.centre_z[k]);
+  const Vec3 normal(cut.normal_x[k], cut.normal_y[k], cut.normal_z[k]);
+  const float most = cut.thickness[k] + slack * (cut.radius[k] + glm::length(from_centre));
+  return normal != Vec3(0) && std::abs(glm::dot(normal, from_centre)) <= most * glm::length(normal);
+}
+
 }  // namespace
 
 std::span<const ClusterCounter::Count> ClusterCounter::count(const Cut& cut, Vec3 x,
@@ -197,7 +208,7 @@ std::span<const ClusterCounter::Count> ClusterCounter::count(const Cut& cut, Vec
        may_meet_.data());
   candidates_.clear();
   for (uint32_t k = 0; k < cut.size; ++k)
-    if (may_meet_[k] > 0) candidates_.push_back(k);
+    if (may_meet_[k] > 0 && (rule == CountRule::whole || !lies_in_plate(cut, k, x))) candidates_.push_back(k);
 
   PaddedBundle bundle;
   pad(rays, bundle);

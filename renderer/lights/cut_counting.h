@@ -25,7 +25,7 @@ struct RayBundle {
 /// What a ray adds to each of the m boxes it meets.
 enum class CountRule {
   whole,   ///< 1 (as printed)
-  shared,  ///< 1/m
+  shared,  ///< 1/m, and none to a plate that the point itself lies in
 };
 
 /// Scratch of one thread.

@@ -9,7 +9,7 @@ namespace {
 /// The cut's arrays as pointers, and the point: what the loops below read.
 struct View {
   const float *centre_x, *centre_y, *centre_z, *normal_x, *normal_y, *normal_z;
-  const float *extent_x, *extent_y, *extent_z;
+  const float *extent_x, *extent_y, *extent_z, *thickness;
   const float *power, *radius, *local, *normal_spread, *softening, *has_extent;
   float *importance, *guard, *arriving;
   Vec3 x;
@@ -53,18 +53,22 @@ HALFLIGHT_INLINE Seen see_cluster(const View& v, size_t k) {
   Seen seen;
   seen.w = Vec3(dx * inverse_r, dy * inverse_r, dz * inverse_r);
   seen.reach = (v.radius[k] + v.spread_radius * v.local[k]) * inverse_r + 2.0f * v.spread.normals;
-  // No cosine exceeds what the box's farthest point along the normal gives: a flat cluster in the point's own
-  // plane gives nothing, however near it is.
   const float spread = inverse_r * v.local[k];
-  const float ex = v.extent_x[k] * inverse_r + v.spread.extent.x * spread,
-              ey = v.extent_y[k] * inverse_r + v.spread.extent.y * spread,
-              ez = v.extent_z[k] * inverse_r + v.spread.extent.z * spread;
+  const float ex = v.extent_x[k] * inverse_r, ey = v.extent_y[k] * inverse_r, ez = v.extent_z[k] * inverse_r;
   const float nx = v.normal_x[k], ny = v.normal_y[k], nz = v.normal_z[k];
   const float faces = nx * seen.w.x + ny * seen.w.y + nz * seen.w.z;
-  const float wide_light = std::abs(nx) * ex + std::abs(ny) * ey + std::abs(nz) * ez;
+  const float wide_light = std::abs(nx) * (ex + v.spread.extent.x * spread) +
+                           std::abs(ny) * (ey + v.spread.extent.y * spread) +
+                           std::abs(nz) * (ez + v.spread.extent.z * spread);
   const float cos_light = clamp_to_unit(v.normal_spread[k] + wide_light - faces);
+  // No cosine exceeds what the farthest member along the normal gives: a flat cluster in the point's own
+  // plane gives nothing, however near it is and however it is turned (LightNode::extent_along).
   const Vec3 n = v.basis.normal;
-  const float wide = std::abs(n.x) * ex + std::abs(n.y) * ey + std::abs(n.z) * ez + v.spread.normals;
+  const float turned = std::abs(n.x * nx + n.y * ny + n.z * nz);
+  const float box = std::abs(n.x) * ex + std::abs(n.y) * ey + std::abs(n.z) * ez;
+  const float plate =
+      (turned * v.thickness[k] + std::sqrt(positive_part(1.0f - turned * turned)) * v.radius[k]) * inverse_r;
+  const float wide = (box < plate ? box : plate) + v.spread.height * spread + v.spread.normals;
   seen.cosine = mean_cosine(n.x * seen.w.x + n.y * seen.w.y + n.z * seen.w.z, wide);
   seen.arriving = v.power[k] * cos_light / (r2 + v.softening[k] * cos_light);
   seen.guard = v.power[k] / (r2 + v.radius[k] * v.radius[k] * v.local[k]);
@@ -236,6 +240,7 @@ View make_view(const Cut& cut, Vec3 x) {
   v.centre_x = cut.centre_x.data(), v.centre_y = cut.centre_y.data(), v.centre_z = cut.centre_z.data();
   v.normal_x = cut.normal_x.data(), v.normal_y = cut.normal_y.data(), v.normal_z = cut.normal_z.data();
   v.extent_x = cut.extent_x.data(), v.extent_y = cut.extent_y.data(), v.extent_z = cut.extent_z.data();
+  v.thickness = cut.thickness.data();
   v.power = cut.power.data(), v.radius = cut.radius.data(), v.local = cut.local.data();
   v.normal_spread = cut.normal_spread.data(), v.softening = cut.softening.data();
   v.has_extent = cut.has_extent.data();

@@ -14,13 +14,15 @@ namespace halflight {
 struct ClusterImportance {
   std::span<float> importance;  ///< q̂_k
   std::span<float> guard;       ///< u_k before normalisation: Φ_k/(r_k² + R_k²), at infinity Φ_k
-  std::span<float> arriving;    ///< l_k Ω_k(x): 0 where every member faces away from x
+  std::span<float> arriving;    ///< l_k Ω_k(x): 0 where the members face away from x
 };
 
-/// Neighbouring points that share importances, about the one they are made for. Cosines are then what the
-/// best-placed of them may have, so that no cluster is 0 which one of them sees.
+/// Neighbouring points that share importances, about the one they are made for. Cosines are then about what
+/// the best-placed of them may have, so that hardly a cluster is 0 which one of them sees; the guard has
+/// those.
 struct PointSpread {
   Vec3 extent{0};     ///< each axis, to the farthest
+  float height = 0;   ///< along the point's shading normal
   float normals = 0;  ///< length of the largest difference between shading normals
 };
 

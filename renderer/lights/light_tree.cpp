@@ -121,7 +121,18 @@ void aggregate_all(const LightTree& tree, const Aggregate& aggregate) {
     if (root >= 0) children_first(tree, root, aggregate);
 }
 
-/// Box, measure, centre and normal of one node.
+/// Along the mean normal, from what is known of the children.
+float thickness_of(const LightNode& node, const LightNode& a, const LightNode& b) {
+  const float length = glm::length(node.normal);
+  if (!(length > 0)) return glm::length(glm::max(node.high - node.centre, node.centre - node.low));
+  const Vec3 normal = node.normal / length;
+  const auto reach = [&](const LightNode& child) {
+    return std::abs(glm::dot(normal, child.centre - node.centre)) + child.extent_along(normal);
+  };
+  return std::max(reach(a), reach(b));
+}
+
+/// Box, measure, centre, normal and thickness of one node.
 void aggregate_geometry(LightTree& tree, size_t index) {
   LightNode& node = tree.nodes[index];
   if (node.left < 0) {
@@ -136,6 +147,7 @@ void aggregate_geometry(LightTree& tree, size_t index) {
   node.measure = a.measure + b.measure, node.kind = a.kind;
   node.centre = weighted_mean(a.centre, a.measure, b.centre, b.measure);
   node.normal = weighted_mean(a.normal, a.measure, b.normal, b.measure);
+  node.thickness = thickness_of(node, a, b);
 }
 
 /// Mean positions of distant lights become directions.
@@ -169,6 +181,15 @@ void aggregate_radiance(LightTree& tree, size_t index) {
 }
 
 }  // namespace
+
+float LightNode::extent_along(Vec3 direction) const {
+  const Vec3 extent = glm::max(high - centre, centre - low);
+  const float along_box = glm::dot(glm::abs(direction), extent);
+  // A plate across the mean normal, as wide as the box. Where that is no unit vector the bound is wider.
+  const float cosine = std::abs(glm::dot(direction, normal));
+  const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
+  return std::min(along_box, cosine * thickness + sine * glm::length(extent));
+}
 
 double power_unit(const LightTree& tree) {
   double power = 0;

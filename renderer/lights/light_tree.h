@@ -24,7 +24,10 @@ struct LightNode {
   Vec3 centre{0};    ///< measure-weighted mean position (at infinity: unit mean direction)
   Vec3 normal{0};    ///< mean normal, not unit: its length tells how much the normals agree
   LightKind kind = LightKind::surface;
+  float thickness = 0;  ///< no member lies further from the centre along the direction of `normal`
 
+  /// How far members may lie from the centre along a unit direction, at most.
+  float extent_along(Vec3 direction) const;
   uint32_t count() const { return end - begin; }
   double mean_radiance() const { return measure > 0 ? power / measure : 0; }  ///< l_k
 };
@@ -98,6 +101,7 @@ struct Cut {
   std::vector<float> normal_x, normal_y, normal_z;  ///< mean normal; 0 where emission does not depend on it
   std::vector<float> radius;                        ///< distance from the centre to the box's farthest corner
   std::vector<float> extent_x, extent_y, extent_z;  ///< from the centre to the box's farther face, each axis
+  std::vector<float> thickness;                     ///< LightNode::thickness
   std::vector<float> low_x, low_y, low_z, high_x, high_y, high_z;
   std::vector<LightKind> kind;
 

@@ -47,6 +47,29 @@ double variation(const LightNode& node, const Aabb& box) {
 
 }  // namespace
 
+void PointGroup::add(Vec3 point, Vec3 normal) {
+  constexpr float same_normal = 0.9999f;
+  box_.extend(point);
+  const auto has_normal = [&](const Plane& plane) { return glm::dot(plane.normal, normal) > same_normal; };
+  const auto end = planes_.begin() + static_cast<ptrdiff_t>(plane_count_);
+  if (const auto plane = std::find_if(planes_.begin(), end, has_normal); plane != end)
+    plane->height = std::min(plane->height, glm::dot(plane->normal, point));
+  else if (plane_count_ < most_planes)
+    planes_[plane_count_++] = {normal, glm::dot(normal, point)};
+  else
+    planes_are_full_ = true;
+}
+
+bool PointGroup::sees(const LightNode& node) const {
+  constexpr float slack = 1e-3f;  // of a node's size: what lies in a plane is not above it
+  if (planes_are_full_) return true;
+  const float least = slack * glm::length(node.high - node.low);
+  const auto is_above = [&](const Plane& plane) {
+    return glm::dot(plane.normal, node.centre) + node.extent_along(plane.normal) > plane.height + least;
+  };
+  return std::any_of(planes_.begin(), planes_.begin() + static_cast<ptrdiff_t>(plane_count_), is_above);
+}
+
 TileCut::TileCut(const LightTree& tree, const Cut& base) : tree_(&tree), base_(&base), cut_(base) {
   // Nothing has to grow later.
   resize_arrays(cut_, most_padded());
@@ -57,26 +80,28 @@ TileCut::TileCut(const LightTree& tree, const Cut& base) : tree_(&tree), base_(&
 
 size_t TileCut::most_padded() const { return padded_clusters(base_->size + most_new); }
 
-const Cut& TileCut::refine(const Aabb& box, float most_reach) {
+const Cut& TileCut::refine(const PointGroup& points, float most_reach) {
   const bool was_split = !parts_.empty();
-  find_near(box, most_reach);
-  split(box, most_reach);
+  find_near(points, most_reach);
+  split(points, most_reach);
   if (was_split || !parts_.empty()) assemble();
   return cut_;
 }
 
-void TileCut::find_near(const Aabb& box, float most_reach) {
+void TileCut::find_near(const PointGroup& points, float most_reach) {
+  const Aabb& box = points.box();
   open_.clear();
   reach_loop(*base_, box, reach2_.data(), reach2_.size());
   for (uint32_t k = 0; k < base_->size; ++k) {
     const LightNode& node = tree_->nodes[base_->node[k]];
-    if (reach2_[k] > most_reach * most_reach && node.left >= 0)
+    if (reach2_[k] > most_reach * most_reach && node.left >= 0 && points.sees(node))
       open_.push_back({variation(node, box), base_->node[k], node.begin, k});
   }
   std::make_heap(open_.begin(), open_.end());
 }
 
-void TileCut::split(const Aabb& box, float most_reach) {
+void TileCut::split(const PointGroup& points, float most_reach) {
+  const Aabb& box = points.box();
   parts_.clear();
   for (uint32_t added = 0; !open_.empty() && added < most_new; ++added) {
     std::pop_heap(open_.begin(), open_.end());
@@ -87,7 +112,7 @@ void TileCut::split(const Aabb& box, float most_reach) {
       const LightNode& node = tree_->nodes[child];
       if (!(node.power > 0)) continue;
       const Part part{variation(node, box), child, node.begin, whole.base_cluster};
-      if (node.left >= 0 && is_near(node, box, most_reach)) {
+      if (node.left >= 0 && is_near(node, box, most_reach) && points.sees(node)) {
         open_.push_back(part);
         std::push_heap(open_.begin(), open_.end());
       } else {

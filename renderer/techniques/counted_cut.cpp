@@ -46,7 +46,7 @@ CountedCut::CountedCut(const LightTree& tree, const Cut& cut, const CountedCutPa
   guard_.reserve(tile_cut_->most_padded()), arriving_.reserve(tile_cut_->most_padded());
 }
 
-void CountedCut::begin_group(const Aabb& points) {
+void CountedCut::begin_group(const PointGroup& points) {
   if (!tile_cut_ || points.empty()) return;
   tile_cut_->refine(points, most_reach_);
   ++refined_blocks_;

@@ -39,7 +39,7 @@ class CountedCut {
   /// Splits clusters that reach further than `most_reach` of their distance to the pixels in hand.
   CountedCut(const LightTree&, const Cut&, const CountedCutParameters&, float most_reach);
 
-  void begin_group(const Aabb& points);
+  void begin_group(const PointGroup& points);
   /// Whether neighbours can share a distribution at all. Without the guard a cluster that sends nothing to
   /// the one would be lost to the other.
   bool shares() const { return parameters_.share && parameters_.alpha > 0; }

@@ -32,15 +32,15 @@ RandomStream distribution_stream(const FrameView& frame, const PassRequest& requ
   return RandomStream(pixel, request.pass, hash_combine(frame.seed, 0x6469737472696275ull));
 }
 
-Aabb PixelGroups::points_of(glm::uvec2 block) const {
+PointGroup PixelGroups::points_of(glm::uvec2 block) const {
   const uint32_t width = static_cast<uint32_t>(gbuffer_->width),
                  height = static_cast<uint32_t>(gbuffer_->height);
-  Aabb box;
+  PointGroup points;
   for (uint32_t y = block.y * side; y < std::min((block.y + 1) * side, height); ++y)
     for (uint32_t x = block.x * side; x < std::min((block.x + 1) * side, width); ++x)
-      if (const GBufferTexel& texel = gbuffer_->texels[y * width + x]; texel.hit())
-        box.extend(texel.position);
-  return box;
+      if (const GBufferTexel& texel = gbuffer_->texels[y * width + x]; reflects(texel))
+        points.add(texel.position, texel.geometric_normal);
+  return points;
 }
 
 PixelWorker::PixelWorker(const FrameView& frame, const PassRequest& request, Film& film, bool exhaustive)

@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/simd.h"
 #include "lights/cut_distribution.h"
+#include "lights/tile_cut.h"
 #include "techniques/connection_batch.h"
 #include "techniques/shared_distribution.h"
 #include "techniques/technique.h"
@@ -29,10 +30,10 @@ concept LightSampler = requires(S& sampler, const GBufferTexel& texel, RandomStr
   sampler.draw(random, out);
 };
 
-/// A sampler that prepares for neighbouring pixels: `begin_group` gets the box of their points.
+/// A sampler that prepares for neighbouring pixels: `begin_group` gets their points.
 template <class S>
-concept PreparesGroups = requires(S& sampler, const Aabb& box) {
-  sampler.begin_group(box);
+concept PreparesGroups = requires(S& sampler, const PointGroup& points) {
+  sampler.begin_group(points);
 };
 
 /// A sampler whose distribution for one point may serve some neighbours of it, too.
@@ -161,12 +162,12 @@ class PixelGroups {
     const glm::uvec2 block = glm::uvec2(pixel % width, pixel / width) / side;
     if (block == block_) return;
     block_ = block;
-    if (const Aabb box = points_of(block); !box.empty()) begin_group(box);
+    if (const PointGroup points = points_of(block); !points.empty()) begin_group(points);
   }
 
  private:
   static constexpr uint32_t side = 16;
-  Aabb points_of(glm::uvec2 block) const;
+  PointGroup points_of(glm::uvec2 block) const;
 
   const GBuffer* gbuffer_;
   glm::uvec2 block_{0xffffffffu};
@@ -267,7 +268,7 @@ class PixelSampler {
  private:
   void begin_group(uint32_t pixel) {
     if constexpr (PreparesGroups<Sampler>)
-      groups_.next(pixel, [&](const Aabb& box) { sampler.begin_group(box); });
+      groups_.next(pixel, [&](const PointGroup& points) { sampler.begin_group(points); });
   }
 
   bool shares() const {

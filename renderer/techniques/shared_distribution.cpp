@@ -46,6 +46,8 @@ SharedPoint shared_point(std::span<const GBufferTexel* const> texels) {
                                   glm::dot(middle.tangent, middle.shading_normal) * middle.shading_normal);
   float turned2 = 0;
   for (const GBufferTexel* texel : texels) {
+    const float height = glm::dot(middle.shading_normal, texel->position - middle.position);
+    shared.spread.height = std::max(shared.spread.height, std::abs(height));
     const Vec3 turned = texel->shading_normal - middle.shading_normal;
     turned2 = std::max(turned2, glm::dot(turned, turned));
   }

@@ -27,6 +27,14 @@ inline std::vector<VirtualLight> wall_lights(uint32_t count, float size, uint64_
   return lights;
 }
 
+/// The same lights in a world that is turned against the axes.
+inline std::vector<VirtualLight> turned(std::vector<VirtualLight> lights) {
+  const Basis basis = basis_around(glm::normalize(Vec3(0.5f, 0.7f, -0.4f)));
+  for (VirtualLight& light : lights)
+    light.position = basis.to_world(light.position), light.normal = basis.to_world(light.normal);
+  return lights;
+}
+
 /// Lights at infinity with one strong sun among them.
 inline std::vector<VirtualLight> sky_lights(uint32_t count, float sun, uint64_t seed) {
   std::vector<VirtualLight> lights;

@@ -98,17 +98,29 @@ TEST(ClusterCounter, PassesOverClustersThatSendNothing) {
   EXPECT_TRUE(counter.count(f.cut, Vec3(5), {}, rays, CountRule::shared).empty());
 }
 
+// All lights lie in the plane of the point: rays that leave it upwards meet none.
 TEST(ClusterCounter, ThePointsOwnWallIsNotMet) {
-  // All lights lie in the plane of the point: rays that leave it upwards meet none.
   std::vector<VirtualLight> lights;
   RandomStream random(2, 2, 2);
   for (uint32_t i = 0; i < 1000; ++i)
     lights.push_back({{random.next(), 0, random.next()}, 1e-3f, {0, 1, 0}, LightKind::surface, Vec3(1), i});
-  const Cut cut = illumination_cut(build_light_tree(lights), {});
+  const std::vector<VirtualLight> turned_lights = turned(lights);
   RayBundle rays;
   ClusterCounter counter;
-  fill(rays, {0, 1, 0}, 1, 64, 5);
-  EXPECT_TRUE(counter.count(cut, {0.5f, 0, 0.5f}, {}, rays, CountRule::whole).empty());
+  for (const CountRule rule : {CountRule::whole, CountRule::shared}) {
+    fill(rays, {0, 1, 0}, 1, 64, 5);
+    EXPECT_TRUE(counter.count(illumination_cut(build_light_tree(lights), {}), {0.5f, 0, 0.5f}, {}, rays, rule)
+                    .empty());
+  }
+  // Boxes of turned clusters are deep, and the printed rule counts what meets a box.
+  const Cut cut = illumination_cut(build_light_tree(turned_lights), {});
+  const VirtualLight& own = turned_lights[500];
+  fill(rays, own.normal, 1, 64, 5);
+  EXPECT_FALSE(counter.count(cut, own.position, {}, rays, CountRule::whole).empty());
+  EXPECT_TRUE(counter.count(cut, own.position, {}, rays, CountRule::shared).empty());
+  fill(rays, -own.normal, 1, 64, 5);
+  EXPECT_FALSE(counter.count(cut, own.position + 0.1f * own.normal, {}, rays, CountRule::shared).empty())
+      << "from beside its plane they do";
 }
 
 }  // namespace

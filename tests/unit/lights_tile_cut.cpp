@@ -11,10 +11,16 @@ namespace {
 
 constexpr float most_reach = 0.5f;
 
-Aabb box_at(Vec3 centre, float half_side) {
-  Aabb box;
-  box.extend(centre - half_side), box.extend(centre + half_side);
-  return box;
+/// The box between two points that look in all directions.
+PointGroup points_at(Vec3 centre, float half_side) {
+  PointGroup points;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float side : {-1.0f, 1.0f}) {
+      Vec3 normal(0);
+      normal[axis] = side;
+      points.add(centre - side * half_side, normal);
+    }
+  return points;
 }
 
 struct Fixture {
@@ -35,14 +41,14 @@ struct Fixture {
 TEST(TileCut, CoversEveryLitLeafOnceWhicheverBlockCameBefore) {
   Fixture f(mixed_lights(6000, 10, 1));
   for (const Vec3 centre : {f.near_a_light(), Vec3(1e4f), Vec3(0), f.near_a_light()})
-    expect_covers_every_lit_leaf_once(f.tree, f.tile_cut.refine(box_at(centre, 0.2f), most_reach));
+    expect_covers_every_lit_leaf_once(f.tree, f.tile_cut.refine(points_at(centre, 0.2f), most_reach));
 }
 
 TEST(TileCut, IsTheBaseCutFarAway) {
   Fixture f(mixed_lights(6000, 10, 2));
-  f.tile_cut.refine(box_at(f.near_a_light(), 0.2f), most_reach);
+  f.tile_cut.refine(points_at(f.near_a_light(), 0.2f), most_reach);
   ASSERT_GT(f.tile_cut.cut().size, f.base.size);
-  const Cut& far = f.tile_cut.refine(box_at(Vec3(1e6f), 1), most_reach);
+  const Cut& far = f.tile_cut.refine(points_at(Vec3(1e6f), 1), most_reach);
   EXPECT_EQ(far.size, f.base.size);
   EXPECT_EQ(far.node, f.base.node);
   EXPECT_EQ(far.power, f.base.power);
@@ -50,8 +56,9 @@ TEST(TileCut, IsTheBaseCutFarAway) {
 
 TEST(TileCut, SplitsUntilNothingReachesFar) {
   Fixture f(wall_lights(3000, 10, 3));
-  const Aabb box = box_at(f.near_a_light() + Vec3(0.3f), 0.05f);
-  const Cut& cut = f.tile_cut.refine(box, most_reach);
+  const PointGroup points = points_at(f.near_a_light() + Vec3(0.3f), 0.05f);
+  const Aabb& box = points.box();
+  const Cut& cut = f.tile_cut.refine(points, most_reach);
   ASSERT_GT(cut.size, f.base.size);
   ASSERT_LT(cut.size, f.base.size + TileCut::most_new) << "there was room";
   for (uint32_t k = 0; k < cut.size; ++k) {
@@ -63,10 +70,31 @@ TEST(TileCut, SplitsUntilNothingReachesFar) {
   }
 }
 
+TEST(TileCut, WhatLiesInThePointsOwnPlaneStaysWhole) {
+  const std::vector<VirtualLight> lights = wall_lights(30000, 10, 4);
+  Fixture f(turned(lights));
+  const auto middle = std::find_if(lights.begin(), lights.end(), [](const VirtualLight& light) {
+    return glm::length(light.position - Vec3(0, 5, 5)) < 0.5f;
+  });
+  const VirtualLight own = turned({*middle}).front();
+  const auto parts_for = [&](std::initializer_list<std::pair<float, float>> heights_and_sides) {
+    PointGroup points;
+    for (const auto [height, side] : heights_and_sides)
+      points.add(own.position + height * own.normal, side * own.normal);
+    return f.tile_cut.refine(points, most_reach).size - f.base.size;
+  };
+  const uint32_t seen = parts_for({{0.2f, -1.0f}});
+  ASSERT_GT(seen, 30u);
+  // A few clusters hold members of two walls.
+  EXPECT_LT(parts_for({{0, 1}}), seen / 5);
+  EXPECT_LT(parts_for({{0, 1}, {0, -1}}), seen / 5) << "nor is anything behind it";
+  EXPECT_GE(parts_for({{0, 1}, {0.2f, -1}}), seen) << "another point of the group sees them";
+}
+
 TEST(TileCut, SpendsWhatRoomThereIsOnAllThatIsNear) {
   // As large as all of the lights: every cluster touches it, and no room suffices.
   Fixture f(wall_lights(60000, 10, 4));
-  const Cut& cut = f.tile_cut.refine(box_at(f.near_a_light(), 100), most_reach);
+  const Cut& cut = f.tile_cut.refine(points_at(f.near_a_light(), 100), most_reach);
   EXPECT_EQ(cut.size, f.base.size + TileCut::most_new);
   uint32_t whole = 0, single = 0;
   for (uint32_t k = 0; k < cut.size; ++k) {
@@ -79,7 +107,7 @@ TEST(TileCut, SpendsWhatRoomThereIsOnAllThatIsNear) {
 
 TEST(TileCut, PartsDrawTheirOwnLeavesByPower) {
   Fixture f(mixed_lights(3000, 10, 5));
-  const Cut& cut = f.tile_cut.refine(box_at(f.near_a_light(), 0.2f), most_reach);
+  const Cut& cut = f.tile_cut.refine(points_at(f.near_a_light(), 0.2f), most_reach);
   ASSERT_GT(cut.size, f.base.size);
   CutDistribution distribution;
   for (float& importance : distribution.importance(cut)) importance = 1;

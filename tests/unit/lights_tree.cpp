@@ -48,6 +48,23 @@ void expect_well_formed(const LightTree& tree, const std::vector<VirtualLight>& 
   for (const int count : parents) ASSERT_EQ(count, 1);
 }
 
+/// No member lies further from the centre than the node says, along its normal or any other way.
+void expect_extents(const LightTree& tree, const LightNode& node) {
+  const float slack = 1e-5f * (glm::length(node.high - node.low) + glm::length(node.centre));
+  const float length = glm::length(node.normal);
+  const Vec3 normal = length > 0 ? node.normal / length : Vec3(1, 0, 0);
+  for (const Vec3 direction :
+       {normal, Vec3(0, 1, 0), glm::normalize(Vec3(1, -2, 0.5f)), basis_around(normal).tangent}) {
+    float extent = 0;
+    for (uint32_t i = node.begin; i < node.end; ++i)
+      extent = std::max(extent, std::abs(glm::dot(direction, tree.lights[i].position - node.centre)));
+    ASSERT_LE(extent, node.extent_along(direction) + slack);
+    if (direction == normal) {
+      ASSERT_LE(extent, node.thickness + slack);
+    }
+  }
+}
+
 /// Aggregates of a node by summing over its leaves.
 void expect_aggregates(const LightTree& tree) {
   for (const LightNode& node : tree.nodes) {
@@ -77,6 +94,7 @@ void expect_aggregates(const LightTree& tree) {
     if (glm::length(centre) / measure > 1e-3) {
       ASSERT_LT(glm::length(Vec3d(node.centre) - c), 1e-2 * size);
     }
+    if (node.kind != LightKind::environment) expect_extents(tree, node);
   }
 }
 
@@ -134,6 +152,20 @@ TEST(LightTree, SidesOfASheetPartBeforeItsHalves) {
   const LightNode& root = tree.nodes[tree.roots[static_cast<int>(LightKind::surface)]];
   EXPECT_NEAR(std::abs(tree.nodes[root.left].normal.z), 1, 1e-5);
   EXPECT_EQ(tree.nodes[root.left].count(), 512u);
+}
+
+// Its box is as deep as it is wide.
+TEST(LightTree, ATurnedSheetIsThin) {
+  const LightTree tree = build_light_tree(turned(wall_lights(6000, 10, 1)));
+  expect_aggregates(tree);
+  uint32_t sheets = 0;
+  for (const LightNode& node : tree.nodes) {
+    if (glm::length(node.normal) < 0.9999f) continue;
+    const float size = glm::length(node.high - node.low);
+    ASSERT_LE(node.thickness, 5e-3f * size);
+    sheets += node.count() > 100 ? 1 : 0;
+  }
+  EXPECT_GT(sheets, 20u);
 }
 
 TEST(LightTree, RelightingEqualsRebuilding) {
