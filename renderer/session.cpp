@@ -24,11 +24,13 @@ bool another_frame(const Plan& a, const Plan& b) {
          a.antialiased != b.antialiased;
 }
 
+constexpr uint32_t subset_stride = 4, interleaved_subsets = subset_stride * subset_stride;
+
 /// Of the places 0 … extent - 1 in runs of `side`, those of each fourth run, from run `first` on.
 std::vector<uint32_t> every_fourth(uint32_t extent, uint32_t side, uint32_t first) {
   std::vector<uint32_t> places;
   for (uint32_t i = 0; i < extent; ++i)
-    if (i / side % 4 == first) places.push_back(i);
+    if (i / side % subset_stride == first) places.push_back(i);
   return places;
 }
 
@@ -113,34 +115,47 @@ void Session::run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::
   impl_->run_pass(std::move(request), offset + 1 == stride * stride);
 }
 
-bool Session::neighbours_share() const {
-  const Rendition& now = *impl_->now;
-  return now.info().neighbours_share && !now.plan.redraws;
+/// Whether pixels side by side cost less than as many that lie apart.
+bool Session::Impl::neighbours_share() const { return now->info().neighbours_share && !now->plan.redraws; }
+
+uint32_t Session::subset_count() const {
+  const bool begins_with_lattice = impl_->neighbours_share() && impl_->round == 0;
+  return interleaved_subsets + (begins_with_lattice ? 1 : 0);
 }
 
 size_t Session::run_subset(uint32_t samples, uint32_t subset, std::stop_token stop) {
-  constexpr uint32_t stride = 4, most_samples = std::numeric_limits<uint16_t>::max();
-  static_assert(subsets == stride * stride);
+  const uint32_t count = subset_count();
+  HALFLIGHT_CHECK(subset < count);
   const auto width = static_cast<uint32_t>(impl_->film.width()),
              height = static_cast<uint32_t>(impl_->film.height());
-  // Blocks that techniques make things for, or parts of those where the picture has few.
-  const uint32_t side = !neighbours_share() ? 1 : std::min(width, height) >= 256 ? 16 : 4;
-  const std::vector<uint32_t> columns = every_fourth(width, side, subset % stride);
-  const std::vector<uint32_t> rows = every_fourth(height, side, subset / stride);
-  if (side == 1) {
-    run_pass(samples, stride, subset, std::move(stop));
-  } else {
-    PassRequest request;
-    request.samples = std::min(samples, most_samples);
-    std::vector<uint16_t>& visits = impl_->subset_visits;
-    visits.assign(size_t{width} * height, 0);
-    for (const uint32_t y : rows)
-      for (const uint32_t x : columns) visits[size_t{y} * width + x] = static_cast<uint16_t>(request.samples);
-    request.visits = visits;
-    request.stop = std::move(stop);
-    impl_->run_pass(std::move(request), subset + 1 == subsets);
+  if (!impl_->neighbours_share()) {
+    run_pass(samples, subset_stride, subset, std::move(stop));
+    return every_fourth(width, 1, subset % subset_stride).size() *
+           every_fourth(height, 1, subset / subset_stride).size();
   }
-  return columns.size() * rows.size();
+  PassRequest request;
+  request.samples = std::min<uint32_t>(samples, std::numeric_limits<uint16_t>::max());
+  const bool has_lattice = count > interleaved_subsets;
+  size_t pixels = 0;
+  impl_->subset_visits.assign(size_t{width} * height, 0);
+  const auto visit = [&](uint32_t side, uint32_t index, bool all) {
+    for (const uint32_t y : every_fourth(height, side, index / subset_stride))
+      for (const uint32_t x : every_fourth(width, side, index % subset_stride)) {
+        if (!all && x % subset_stride == 0 && y % subset_stride == 0) continue;
+        impl_->subset_visits[size_t{y} * width + x] = static_cast<uint16_t>(request.samples);
+        ++pixels;
+      }
+  };
+  // Blocks that techniques make things for, or parts of those where the picture has few.
+  const uint32_t side = std::min(width, height) >= 256 ? 16 : 4;
+  if (has_lattice && subset == 0)
+    visit(1, 0, true);
+  else
+    visit(side, has_lattice ? subset - 1 : subset, !has_lattice);
+  request.visits = impl_->subset_visits;
+  request.stop = std::move(stop);
+  impl_->run_pass(std::move(request), subset + 1 == count);
+  return pixels;
 }
 
 void Session::run_visits(uint32_t most, std::span<const uint16_t> visits, std::stop_token stop) {

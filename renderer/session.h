@@ -39,10 +39,10 @@ struct RenderSettings {
 RenderSettings draft_settings(RenderSettings);
 
 /// Wall-clock seconds of what has run since the last restart; `load` and `raster` include what the session
-/// did first.
+/// did first. `positions`: what pixels see beside the frame's G-buffer, found with each pass.
 struct StageSeconds {
-  double load = 0, raster = 0, lights = 0, distribution = 0, sampling = 0, visibility = 0, resolve = 0,
-         total = 0;
+  double load = 0, raster = 0, lights = 0, positions = 0, distribution = 0, sampling = 0, visibility = 0,
+         resolve = 0, total = 0;
   double gpu =
       0;  ///< of the GPU, within `sampling`: by timer queries, or by the clock where the driver has none
 };
@@ -100,12 +100,13 @@ class Session {
   /// Runs one pass over a subset of the pixels; see PassRequest. The first pass after a change prepares the
   /// frame.
   void run_pass(uint32_t samples, uint32_t stride, uint32_t offset, std::stop_token stop = {});
-  /// One of the 16 passes that together make a round, the last of them with subset 15: over every fourth
-  /// pixel each way, or over every fourth block of pixels where `neighbours_share`. Returns how many it has.
+  /// How many passes of `run_subset` make the next round: 16, each over every fourth pixel each way, or over
+  /// every fourth block of pixels where neighbours share what is made for them. Blocks show nothing of what
+  /// lies between them: there a film's first round begins with one more pass, over every fourth pixel each
+  /// way, and its blocks leave those out.
+  uint32_t subset_count() const;
+  /// Runs one of them, the last of a round last. Returns how many pixels it has.
   size_t run_subset(uint32_t samples, uint32_t subset, std::stop_token stop = {});
-  static constexpr uint32_t subsets = 16;
-  /// Whether pixels side by side cost less than as many that lie apart.
-  bool neighbours_share() const;
   /// A pass of `visits[pixel]` samples at each pixel of the picture, each a number up to `most`. Where
   /// nothing is redrawn between passes.
   void run_visits(uint32_t most, std::span<const uint16_t> visits, std::stop_token stop = {});

@@ -196,7 +196,9 @@ void Session::Impl::leave_lights_out() {
 
 void Session::Impl::prepare_gbuffer() {
   const bool again = now->plan.runs.has(Stage::antialiasing) && !frame_is_drawn;
-  const bool draws = gbuffer_is_stale || again;
+  // A draft's has its own size, and may be left behind by one that never was drawn.
+  const bool has_size = gbuffer.width == now->settings.width && gbuffer.height == now->settings.height;
+  const bool draws = gbuffer_is_stale || again || !has_size;
   if (!now->plan.gbuffer || (!draws && !base_is_stale)) return;
   const TimelineScope scope("raster");
   Stopwatch watch;
@@ -297,7 +299,7 @@ void Session::Impl::run_pass(PassRequest request, bool ends_round) {
 
   const double threads = thread_count();
   stats.seconds.lights += pass.lights_seconds;
-  stats.seconds.raster += pass.gbuffer_seconds / threads;
+  stats.seconds.positions += pass.gbuffer_seconds / threads;
   stats.seconds.distribution += pass.distribution_seconds / threads;
   stats.seconds.sampling += pass.sampling_seconds / threads;
   stats.seconds.visibility += pass.visibility_seconds / threads;

@@ -48,6 +48,7 @@ struct Session::Impl {
   void count_held(const PassStats&);
   std::vector<Vec3> irradiance(const std::vector<BouncePoint>& points, uint64_t seed);
   FrameView view() const;
+  bool neighbours_share() const;
   void run_pass(PassRequest, bool ends_round);
 
   Scene scene;

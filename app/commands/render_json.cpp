@@ -17,6 +17,7 @@ Json seconds_json(const RenderRecord& record) {
   return {{"total", record.total_seconds},
           {"load", record.load_seconds + s.load},
           {"raster", s.raster},
+          {"positions", s.positions},
           {"lights", s.lights},
           {"distribution", s.distribution},
           {"sampling", s.sampling},

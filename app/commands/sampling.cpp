@@ -9,7 +9,7 @@ namespace halflight {
 
 namespace {
 
-constexpr uint32_t subsets = Session::subsets;
+constexpr double subset_share = 1.0 / 16;  ///< of the pixels in a subset, about
 constexpr uint32_t first_round = 8;        ///< samples a pixel, where no total says how to share them out
 constexpr double longest_whole_round = 1;  ///< seconds; longer rounds go by subsets, to show how they get on
 constexpr uint32_t most_unmeasured = 64;   ///< samples of a whole round before its cost is known
@@ -44,7 +44,7 @@ class Sampler {
   void whole_round(uint32_t samples);
   void round_in_subsets(uint32_t samples, bool every_pixel);
   double time_left() const { return goal_.seconds ? *goal_.seconds - clock_.seconds() : infinity; }
-  void timed_pass(uint32_t samples, std::optional<uint32_t> subset);
+  double timed_pass(uint32_t samples, std::optional<uint32_t> subset);
   bool time_is_up() const;
 
   Session& session_;
@@ -79,8 +79,9 @@ uint32_t Sampler::next_round() const {
   return goal_.samples ? std::min(*goal_.samples - done_, wanted) : wanted;
 }
 
-/// Runs a pass and learns from it what a round of the whole picture costs.
-void Sampler::timed_pass(uint32_t samples, std::optional<uint32_t> subset) {
+/// Runs a pass and learns from it what a round of the whole picture costs. Returns which share of the pixels
+/// it has visited.
+double Sampler::timed_pass(uint32_t samples, std::optional<uint32_t> subset) {
   Stopwatch watch;
   const StageSeconds before = session_.stats().seconds;
   double share = 1;
@@ -93,11 +94,12 @@ void Sampler::timed_pass(uint32_t samples, std::optional<uint32_t> subset) {
   const StageSeconds& after = session_.stats().seconds;
   const double frame = after.lights - before.lights + after.raster - before.raster;
   if (session_.plan().redraws && subset.value_or(0) == 0) cost_.frame = frame;
-  if (share == 0) return;
+  if (share == 0) return share;
   const double pixels = std::max(1e-9, watch.seconds() - frame);
   const double distributions = std::min(after.distribution - before.distribution, pixels);
   cost_.distributions = distributions / share;
   cost_.sample = std::max(1e-9, pixels - distributions) / (share * samples);
+  return share;
 }
 
 void Sampler::whole_round(uint32_t samples) {
@@ -109,14 +111,17 @@ void Sampler::whole_round(uint32_t samples) {
 /// end.
 void Sampler::round_in_subsets(uint32_t samples, bool every_pixel) {
   uint32_t most = 0;
-  for (uint32_t subset = 0; subset < subsets && !stop_.stop_requested(); ++subset) {
+  double left = 1;  // of the pixels
+  const uint32_t count = session_.subset_count();
+  for (uint32_t subset = 0; subset < count && !stop_.stop_requested(); ++subset) {
     if (cost_.known()) {
-      const double seconds = (time_left() - (subset == 0 ? cost_.frame : 0)) * subsets / (subsets - subset);
+      const double seconds =
+          (time_left() - (subset == 0 ? cost_.frame : 0)) / std::max(left, subset_share / 2);
       const double fit = (seconds - cost_.distributions) / cost_.sample;
       samples = static_cast<uint32_t>(std::clamp(fit, 1.0, static_cast<double>(samples)));
-      if (!every_pixel && time_left() < 0.5 * cost_.of_pixels(samples) / subsets) break;
+      if (!every_pixel && time_left() < 0.5 * cost_.of_pixels(samples) * subset_share) break;
     }
-    timed_pass(samples, subset);
+    left -= timed_pass(samples, subset);
     most = std::max(most, samples);
     if (after_pass_) after_pass_();
   }
@@ -124,7 +129,8 @@ void Sampler::round_in_subsets(uint32_t samples, bool every_pixel) {
 }
 
 bool Sampler::time_is_up() const {
-  return time_left() < std::max(0.03 * goal_.seconds.value_or(0), cost_.frame + cost_.of_pixels(1) / subsets);
+  return time_left() <
+         std::max(0.03 * goal_.seconds.value_or(0), cost_.frame + cost_.of_pixels(1) * subset_share);
 }
 
 /// All there is in one round. What the GPU does is quick, and best done at once.

@@ -27,9 +27,9 @@ enum class StopReason { samples, time, error, interrupted };
 std::string_view stop_reason_name(StopReason);
 
 /// Runs passes over the session's film until the goal is met or `stop` is requested. Every pixel has a sample
-/// at the end unless it was stopped. With a time goal the rounds at the start and at the end go through 16
-/// interleaved subsets of the picture, which keeps the end near the goal; adaptive sampling goes by whole
-/// passes. `after_pass` may show progress.
+/// at the end unless it was stopped. Long rounds, and with a time goal those at the start and at the end, go
+/// through subsets of the picture (Session::run_subset), which shows how they get on and keeps the end near
+/// the goal; adaptive sampling goes by whole passes. `after_pass` may show progress.
 StopReason sample_until(Session&, const SamplingGoal&, const Stopwatch& clock, std::stop_token stop,
                         const std::function<void()>& after_pass);
 

@@ -54,12 +54,13 @@ void run_wa_fig4(const ExperimentRun& run, ExperimentReport& report, Facts& mach
     run.bench.interruption.keep_what_there_is();
     const RenderedPicture picture = render_picture(session, settings, paper.samples, run);
     const StageSeconds& s = session.stats().seconds;
-    rows.push_back({std::string(paper.ours), fmt::format("{}", session.scene().triangles.size()),
-                    std::string(paper.kind), fmt::format("{}", picture.stats.light_count),
-                    fmt::format("{}", picture.stats.cut_size), fmt::format("{}", paper.samples),
-                    cell(s.lights + s.raster + s.distribution + s.sampling + s.visibility + s.resolve),
-                    std::string(paper.theirs), std::string(paper.their_faces), std::string(paper.their_cut),
-                    std::string(paper.their_seconds)});
+    rows.push_back(
+        {std::string(paper.ours), fmt::format("{}", session.scene().triangles.size()),
+         std::string(paper.kind), fmt::format("{}", picture.stats.light_count),
+         fmt::format("{}", picture.stats.cut_size), fmt::format("{}", paper.samples),
+         cell(s.lights + s.raster + s.positions + s.distribution + s.sampling + s.visibility + s.resolve),
+         std::string(paper.theirs), std::string(paper.their_faces), std::string(paper.their_cut),
+         std::string(paper.their_seconds)});
     report.write_picture(std::string(paper.ours), picture.image);
     machine = machine_facts(session);
   }

@@ -11,11 +11,10 @@ namespace halflight {
 
 namespace {
 
-// A pass covers one of 16 interleaved subsets of the picture with all its samples: about 100 ms on two cores.
-// The subsets' order: after 1, 4 and 16 of them every 4th, every 2nd and every pixel in x and y has samples.
-constexpr std::array<uint32_t, Session::subsets> subset_order{0, 10, 2, 8, 5,  7,  13, 1,
-                                                              3, 4,  6, 9, 11, 12, 14, 15};
-constexpr uint32_t coarse_stride = 4;
+// A pass covers one of 16 subsets of the picture with all its samples: about 100 ms on two cores. Their order
+// where they are interleaved: after 1, 4 and 16 of them every 4th, every 2nd and every pixel in x and y has
+// samples. Blocks, the picture's other subsets, may come in any.
+constexpr std::array<uint32_t, 16> subset_order{0, 10, 2, 8, 5, 7, 13, 1, 3, 4, 6, 9, 11, 12, 14, 15};
 constexpr uint32_t first_round_samples = 4, most_round_samples = 16;
 // Seconds that a draft is shown without another move before the picture follows.
 constexpr double rest = 0.15;
@@ -210,7 +209,7 @@ void RenderThread::apply(Wishes wishes) {
 
 void RenderThread::begin_picture() {
   subset_ = rounds_ = 0;
-  has_coarse_ = false;
+  has_pass_ = false;
   since_restart_.lap();
 }
 
@@ -237,28 +236,15 @@ void RenderThread::run_one_pass() {
     begin_picture();
   }
   if (subset_ == 0) round_samples_ = next_round_samples();
-  if (!has_coarse_ && session_->neighbours_share()) {
-    run_coarse_pass(stop);
-  } else {
-    session_->run_subset(round_samples_, subset_order[subset_], stop);
-    if (!stop.stop_requested() && ++subset_ == Session::subsets) subset_ = 0, ++rounds_;
-  }
+  // A round's first pass may be one more, before those that have an order.
+  const auto count = session_->subset_count(), before = count - static_cast<uint32_t>(subset_order.size());
+  session_->run_subset(round_samples_, subset_ < before ? subset_ : before + subset_order[subset_ - before],
+                       stop);
   if (stop.stop_requested()) return;
-  if (session_->drafting() && !has_coarse_) learn_draft_scale();
-  has_coarse_ = true;
+  if (++subset_ == count) subset_ = 0, ++rounds_;
+  if (session_->drafting() && !has_pass_) learn_draft_scale();
+  has_pass_ = true;
   publish();
-}
-
-/// Where subsets are of blocks, some pixels all over the picture have to come before them: what lies between
-/// those is interpolated.
-void RenderThread::run_coarse_pass(std::stop_token stop) {
-  const auto width = static_cast<size_t>(session_->film().width()),
-             height = static_cast<size_t>(session_->film().height());
-  std::vector<uint16_t> visits(width * height, 0);
-  for (size_t y = 0; y < height; y += coarse_stride)
-    for (size_t x = 0; x < width; x += coarse_stride)
-      visits[y * width + x] = static_cast<uint16_t>(round_samples_);
-  session_->run_visits(round_samples_, visits, std::move(stop));
 }
 
 /// No more than there are already: while a round is under way its pixels have twice as many as the others at
@@ -272,9 +258,7 @@ uint32_t RenderThread::next_round_samples() const {
 }
 
 /// A draft has been seen, and nothing moves any more.
-bool RenderThread::draft_is_done() const {
-  return has_coarse_ && (!moving_ || since_shown_.seconds() >= rest);
-}
+bool RenderThread::draft_is_done() const { return has_pass_ && (!moving_ || since_shown_.seconds() >= rest); }
 
 /// From what the first picture of a draft cost.
 void RenderThread::learn_draft_scale() {

@@ -101,7 +101,6 @@ class RenderThread {
   void open_scene(const SceneLoader&);
   void run_one_pass();
   void begin_picture();
-  void run_coarse_pass(std::stop_token);
   uint32_t next_round_samples() const;
   bool draft_is_done() const;
   void learn_draft_scale();
@@ -129,7 +128,7 @@ class RenderThread {
   std::shared_ptr<const SceneSummary> opened_;
   uint64_t scene_number_ = 0;
   uint32_t subset_ = 0, rounds_ = 0;
-  bool has_coarse_ = false;     ///< the picture begun has had its first pass
+  bool has_pass_ = false;       ///< the picture begun has had its first
   uint32_t round_samples_ = 0;  ///< a pixel, of the round in hand
   bool moving_ = false;         ///< camera or lights, as opposed to a scene or settings that were opened
   float draft_scale_ = 1;       ///< of the next draft that a camera asks for

@@ -67,6 +67,16 @@ TEST(RenderThread, ConvergesToTheLimitAndRests) {
   EXPECT_EQ(thread.latest()->mean_samples, done->mean_samples);
 }
 
+// Where some pixels come before all others.
+TEST(RenderThread, ConvergesToTheLimitWhereNeighboursShare) {
+  RenderSettings settings = small_picture();
+  settings.technique = "bidirectional", settings.target = Target::discrete;
+  RenderThread thread(built_in("cornell"), settings, {}, 40);
+  const auto done = wait_for(thread, [](const Snapshot& s) { return s.converged; });
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->mean_samples, 40);
+}
+
 TEST(RenderThread, ABadFileLeavesTheOldScene) {
   RenderThread thread(built_in("cornell"), small_picture(), {}, 100000);
   ASSERT_TRUE(wait_for(thread, [](const Snapshot& s) { return s.mean_samples > 0; }));

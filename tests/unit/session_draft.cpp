@@ -56,6 +56,23 @@ TEST(Draft, LeavesWhatThePictureHasMade) {
   EXPECT_EQ(session.stats().stages[Stage::pilot_set].calls, 0u) << "counted since the stage came back";
 }
 
+// Settings that change while a small draft stands make the draft whole again before it is drawn.
+TEST(Draft, ASmallOneLeavesNothingBehindWhenSettingsChange) {
+  Messages messages;
+  RenderSettings settings = small("bidirectional");
+  settings.target = Target::discrete;
+  Session session(load_scene("cornell", {}, messages), settings, messages);
+  session.set_draft(true, 0.5f);
+  picture_of(session);
+  settings.seed = 1;
+  session.set_settings(settings);
+  session.set_draft(false);
+  const ImageRgb picture = picture_of(session);
+  Session other(load_scene("cornell", {}, messages), settings, messages);
+  EXPECT_TRUE(picture.pixels == picture_of(other).pixels);
+  for (uint32_t i = 0; i < picture.pixels.size(); ++i) ASSERT_EQ(session.film().samples(i), 16u);
+}
+
 TEST(Draft, MayBeSmallerThanThePicture) {
   Messages messages;
   Session session(load_scene("cornell", {}, messages), small("halflight"), messages);

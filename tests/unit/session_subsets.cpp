@@ -15,22 +15,38 @@ RenderSettings settings_of(const std::string& technique, int width, int height) 
   return settings;
 }
 
-// Blocks of 4×4 in the first, of 16×16 in the second; pixels that lie apart where nothing is shared.
+/// Runs a round subset by subset, and expects each pixel to have its samples, once.
+void run_round_in_subsets(Session& session, uint32_t samples) {
+  const double before = session.film().mean_samples();
+  size_t pixels = 0;
+  const uint32_t count = session.subset_count();
+  for (uint32_t subset = 0; subset < count; ++subset) pixels += session.run_subset(samples, subset);
+  EXPECT_EQ(pixels, session.film().image().pixels.size());
+  for (uint32_t i = 0; i < pixels; ++i) ASSERT_EQ(session.film().samples(i), before + samples) << i;
+}
+
+// Pixels that lie apart where nothing is shared; blocks of 4×4 or, in larger pictures, of 16×16 where it is.
 TEST(Subsets, AllOfThemAreOneWholePass) {
   Messages messages;
   for (const auto& [technique, width, height] :
        {std::tuple("bidirectional", 50, 35), std::tuple("bidirectional", 300, 260),
-        std::tuple("mis", 50, 35)}) {
+        std::tuple("bidirectional", 2, 1), std::tuple("mis", 50, 35), std::tuple("mis", 3, 2)}) {
     Session session(load_scene("cornell", {}, messages), settings_of(technique, width, height), messages);
-    EXPECT_EQ(session.neighbours_share(), std::string_view(technique) == "bidirectional");
-    session.run_pass(3, 1, 0);
+    for (int round = 0; round < 2; ++round) session.run_pass(3, 1, 0);
     const std::vector<Vec3> whole = session.film().image().pixels;
     session.start_over();
-    size_t pixels = 0;
-    for (uint32_t subset = 0; subset < Session::subsets; ++subset) pixels += session.run_subset(3, subset);
-    EXPECT_EQ(pixels, session.film().image().pixels.size());
-    for (uint32_t i = 0; i < pixels; ++i) ASSERT_EQ(session.film().samples(i), 3u) << technique << " " << i;
+    for (int round = 0; round < 2; ++round) run_round_in_subsets(session, 3);
     EXPECT_TRUE(session.film().image().pixels == whole) << technique << " " << width;
+  }
+}
+
+TEST(Subsets, TheFirstOfAFilmLeavesNoPixelWithoutANeighbour) {
+  Messages messages;
+  for (const char* technique : {"bidirectional", "mis"}) {
+    Session session(load_scene("cornell", {}, messages), settings_of(technique, 50, 35), messages);
+    session.run_subset(2, 0);
+    for (uint32_t y = 0; y < 35; y += 4)
+      for (uint32_t x = 0; x < 50; x += 4) ASSERT_EQ(session.film().samples(y * 50 + x), 2u) << technique;
   }
 }
 
