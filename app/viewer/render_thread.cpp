@@ -160,7 +160,7 @@ void RenderThread::loop() {
     bool run = false;
     {
       std::unique_lock lock(mutex_);
-      const auto unfinished = [&] { return session_ && !paused_ && !converged(); };
+      const auto unfinished = [&] { return session_ && !paused_ && !done_; };
       changed_.wait(lock, [&] { return quit_ || wishes_.any() || unfinished(); });
       if (quit_) break;
       wishes = std::exchange(wishes_, {});
@@ -209,7 +209,7 @@ void RenderThread::apply(Wishes wishes) {
 
 void RenderThread::begin_picture() {
   subset_ = rounds_ = 0;
-  has_pass_ = false;
+  has_pass_ = done_ = false;
   since_restart_.lap();
 }
 
@@ -243,7 +243,7 @@ void RenderThread::run_one_pass() {
   if (stop.stop_requested()) return;
   if (++subset_ == count) subset_ = 0, ++rounds_;
   if (session_->drafting() && !has_pass_) learn_draft_scale();
-  has_pass_ = true;
+  has_pass_ = true, done_ = converged();
   publish();
 }
 
@@ -303,7 +303,7 @@ void RenderThread::publish() {
   snapshot->seconds = since_restart_.seconds();
   snapshot->nan_samples = film.nan_samples();
   snapshot->pivot = look_at_point(*session_);
-  snapshot->converged = converged();
+  snapshot->converged = done_;
   std::lock_guard lock(mutex_);
   latest_ = std::move(snapshot);
   if (!std::exchange(shown_, true)) since_shown_.lap();

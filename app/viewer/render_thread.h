@@ -129,6 +129,7 @@ class RenderThread {
   uint64_t scene_number_ = 0;
   uint32_t subset_ = 0, rounds_ = 0;
   bool has_pass_ = false;       ///< the picture begun has had its first
+  bool done_ = false;           ///< and its last
   uint32_t round_samples_ = 0;  ///< a pixel, of the round in hand
   bool moving_ = false;         ///< camera or lights, as opposed to a scene or settings that were opened
   float draft_scale_ = 1;       ///< of the next draft that a camera asks for

@@ -1,4 +1,4 @@
-// What to show while the first round of a picture goes through interleaved subsets of its pixels.
+// What to show while the first round of a picture goes through subsets of its pixels.
 #pragma once
 
 #include <vector>

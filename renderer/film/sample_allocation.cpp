@@ -43,7 +43,7 @@ std::vector<double> mean_of_others(const std::vector<double>& values, int width,
         for (int j = top; j <= bottom; ++j) sum += rows[static_cast<size_t>(j) * width + x];
         const int columns = std::min(width - 1, x + radius) - std::max(0, x - radius) + 1;
         const int others = columns * (bottom - top + 1) - 1;
-        result[pixel] = others > 0 ? std::max(0.0, sum - values[pixel]) / others : values[pixel];
+        result[pixel] = others > 0 ? std::max(0.0, sum - values[pixel]) / others : 0.0;
       }
     }
   });

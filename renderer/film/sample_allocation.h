@@ -1,11 +1,12 @@
 // Adaptive sampling: how many samples each pixel is to have, so that the picture's relMSE falls soonest.
 //
 // With e a pixel's relative variance of one sample, n samples there leave e/n: for a given sum of n, Σ e/n is
-// least where n ∝ √e (Neyman 1934, optimal allocation). What a pixel gets is decided by its neighbours alone,
-// from passes in which every pixel has as many samples: its own samples are independent of their number, and
-// their mean stays unbiased. A number of samples that a pixel's own samples decide would not do (ESTIMATORS:
-// "a mean whose weights depend on data is biased"). Nor does this in the continuous target, where neighbours
-// of a round share S: docs/performance.md has that bias measured.
+// least where n ∝ √e (Neyman 1934, optimal allocation). What a pixel gets is decided by its neighbours, from
+// passes in which every pixel has as many samples, and by sums over the whole picture, in which it is one of
+// many: but for those its own samples are independent of their number, and their mean stays unbiased. A
+// number of samples that a pixel's own samples decide would not do (ESTIMATORS: "a mean whose weights depend
+// on data is biased"). Nor does this in the continuous target, where neighbours of a round share S:
+// docs/performance.md has that bias measured.
 #pragma once
 
 #include <cstdint>

@@ -68,6 +68,9 @@ StageSet own_stages(const SettingValues& values, Target, const LightKinds& kinds
       .add(Stage::learned_visibility, parameters.visibility);
 }
 
+// A tile's counts are written by the one thread that renders it.
+static_assert(TileGrid::side % LearnedVisibility::side == 0);
+
 class Halflight final : public Technique {
  public:
   void prepare(const FrameView&) override { lights_.reset(); }

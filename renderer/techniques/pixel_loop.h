@@ -166,7 +166,7 @@ class PixelGroups {
   }
 
  private:
-  static constexpr uint32_t side = 16;
+  static constexpr uint32_t side = TileGrid::side;
   PointGroup points_of(glm::uvec2 block) const;
 
   const GBuffer* gbuffer_;

@@ -73,7 +73,7 @@ struct OpenSeconds {
 };
 
 /// As the window opens a scene: a light set that stands at once (or, with `whole_set`, the one asked for), a
-/// first pass of 4 samples over every fourth pixel each way, then a picture of it.
+/// first pass of 4 samples over every fourth pixel each way, then a picture of it, interpolated.
 OpenSeconds open_seconds(const std::string& path, bool whole_set) {
   OpenSeconds seconds;
   BothClocks watch;
@@ -85,8 +85,8 @@ OpenSeconds open_seconds(const std::string& path, bool whole_set) {
   Session session(std::move(scene), settings, messages);
   session.set_draft(!whole_set);
   seconds.session = watch.lap();
-  session.run_pass(4, 4, 0);
-  const ImageRgb picture = session.film().preview();
+  session.run_subset(4, 0);
+  const ImageRgb picture = session.preview();
   seconds.pass = watch.lap();
   if (picture.pixels.empty()) throw Error(ExitCode::failure, "no picture");
   return seconds;

@@ -50,5 +50,24 @@ TEST(Subsets, TheFirstOfAFilmLeavesNoPixelWithoutANeighbour) {
   }
 }
 
+TEST(Visits, GiveEachPixelItsOwnNumber) {
+  Messages messages;
+  for (const TechniqueInfo& info : techniques()) {
+    const bool discrete = info.target == TargetSupport::both || info.target == TargetSupport::discrete;
+    if (!discrete || info.exact) continue;
+    Session session(load_scene("cornell", {}, messages), settings_of(std::string(info.id), 50, 35), messages);
+    std::vector<uint16_t> visits(50 * 35);
+    for (size_t i = 0; i < visits.size(); ++i) visits[i] = std::array<uint16_t, 4>{0, 1, 2, 7}[i % 4];
+    session.run_visits(7, visits);
+    const Film& film = session.film();
+    for (uint32_t i = 0; i < visits.size(); ++i) {
+      ASSERT_EQ(film.samples(i), visits[i]) << info.id << " " << i;
+      if (visits[i] == 0) {
+        ASSERT_EQ(film.radiance(i), Vec3(0)) << info.id;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace halflight
