@@ -1,6 +1,7 @@
 // Arguments to a command; exceptions to an exit code.
 #include <csignal>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <vector>
@@ -15,6 +16,8 @@
 namespace halflight {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 int run_command(const Options& options) {
   switch (options.command) {
@@ -40,11 +43,30 @@ int run_command(const Options& options) {
   return static_cast<int>(ExitCode::usage);
 }
 
+/// Two results in one place would leave the later alone.
+void check_outputs_apart(const Options& options) {
+  const std::pair<std::string_view, std::string_view> outputs[] = {{"--output", options.output},
+                                                                   {"--capture", options.capture},
+                                                                   {"--json", options.json},
+                                                                   {"--trace", options.trace}};
+  const auto place = [](std::string_view name) { return fs::weakly_canonical(fs::absolute(name)); };
+  for (const auto& [option, name] : outputs)
+    for (const auto& [other, its_name] : outputs) {
+      if (&other == &option || name.empty() || its_name.empty()) continue;
+      std::error_code ignored;
+      const bool device = fs::is_other(fs::status(name, ignored));
+      if (name == "-" && its_name == "-")
+        throw usage_error(
+            fmt::format("{} and {}: only one of them can go to standard output", other, option));
+      if (name != "-" && its_name != "-" && !device && place(name) == place(its_name))
+        throw usage_error(fmt::format("{}: names the same file as {}", other, option));
+    }
+}
+
 /// The command, with a timeline of it where one is asked for.
 int run_traced(const Options& options) {
+  check_outputs_apart(options);
   if (options.trace.empty()) return run_command(options);
-  if (options.trace == "-" && options.json == "-")
-    throw usage_error("--trace and --json: only one of them can go to standard output");
   check_writable(options.trace);
   const Timeline timeline;
   const int code = run_command(options);

@@ -147,7 +147,7 @@ size_t Session::run_subset(uint32_t samples, uint32_t subset, std::stop_token st
       }
   };
   // Blocks that techniques make things for, or parts of those where the picture has few.
-  const uint32_t side = std::min(width, height) >= 256 ? 16 : 4;
+  const uint32_t side = std::min(width, height) >= 64 ? 16 : 4;
   if (has_lattice && subset == 0)
     visit(1, 0, true);
   else

@@ -33,8 +33,6 @@ void check_outputs(const Options& options) {
     throw usage_error(fmt::format("--output: '{}' ends in none of .exr, .hdr and .png", options.output));
   if (options.aovs && extension != ".exr")
     throw usage_error("--aovs: only an .exr holds layers beside the picture");
-  if (!options.json.empty() && options.json == options.output)
-    throw usage_error("--json: names the same file as --output");
   check_writable(options.output);
   check_writable(options.json);
 }

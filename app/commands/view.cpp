@@ -3,6 +3,7 @@
 #include "commands/commands.h"
 #include "commands/json_output.h"
 #include "commands/open_scene.h"
+#include "interruption.h"
 #include "viewer/viewer.h"
 
 namespace halflight {
@@ -21,6 +22,8 @@ void check_capture(const std::string& file) {
 
 int run_view(const Options& options) {
   check_capture(options.capture);
+  Interruption interruption;
+  interruption.keep_what_there_is();
   ViewerStart start;
   start.loader = [options](Messages& messages, DisplaySettings& display) {
     OpenedScene opened = open_scene(options, messages);
@@ -34,14 +37,14 @@ int run_view(const Options& options) {
   start.load = options.load;
   if (options.samples) start.sample_limit = *options.samples;
   if (options.capture.empty()) {
-    run_window(std::move(start));
+    run_window(std::move(start), interruption.token());
   } else {
     CaptureRequest request{options.capture};
     if (options.size_given) request.width = options.render.width, request.height = options.render.height;
     if (options.samples) request.samples = *options.samples;
-    run_capture(std::move(start), request);
+    run_capture(std::move(start), request, interruption.token());
   }
-  return static_cast<int>(ExitCode::ok);
+  return static_cast<int>(interruption.requested() ? ExitCode::interrupted : ExitCode::ok);
 }
 
 }  // namespace halflight

@@ -10,7 +10,7 @@
 
 namespace halflight {
 
-void run_capture(ViewerStart start, const CaptureRequest& request) {
+void run_capture(ViewerStart start, const CaptureRequest& request, std::stop_token stop) {
   // The panels need OpenGL even where the picture comes from rays.
   const Backend backend = start.render.backend == Backend::none ? Backend::automatic : start.render.backend;
   auto context = GlContext::make_headless(backend);
@@ -26,7 +26,7 @@ void run_capture(ViewerStart start, const CaptureRequest& request) {
   const Stopwatch clock;
   // The picture follows the window's size half a second in; then it converges to the limit.
   int settled_frames = 0;
-  while (settled_frames < 3) {
+  while (settled_frames < 3 && !stop.stop_requested()) {
     ImGui::NewFrame();
     viewer.frame(clock.seconds());
     ImGui::Render();
@@ -35,6 +35,7 @@ void run_capture(ViewerStart start, const CaptureRequest& request) {
     settled_frames = done ? settled_frames + 1 : 0;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
+  if (!viewer.snapshot()) return;  // stopped before there was anything
   ImageRgba8 frame;
   ui.draw({request.width, request.height}, &frame);
   write_png(request.path, frame, {});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include "raster/ui_painter.h"
@@ -63,16 +64,18 @@ class Viewer {
   double resized_at_ = -1;
 };
 
-/// Opens a window and runs until it is closed. Throws Error (exit code 4) where no window can be had.
-void run_window(ViewerStart);
+/// Opens a window and runs until it is closed or a stop is requested. Throws Error (exit code 4) where no
+/// window can be had.
+void run_window(ViewerStart, std::stop_token);
 
-/// Draws the window's content without one until `samples` a pixel are there and writes it as a PNG.
+/// Draws the window's content without one until `samples` a pixel are there, or a stop is requested, and
+/// writes it as a PNG.
 struct CaptureRequest {
   std::string path;
   int width = 1280, height = 720;
   uint32_t samples = 16;
   bool help = false;
 };
-void run_capture(ViewerStart, const CaptureRequest&);
+void run_capture(ViewerStart, const CaptureRequest&, std::stop_token);
 
 }  // namespace halflight

@@ -85,7 +85,7 @@ void on_drop(GLFWwindow* window, int count, const char** paths) {
 
 }  // namespace
 
-void run_window(ViewerStart start) {
+void run_window(ViewerStart start, std::stop_token stop) {
   Window window(start.render.width + static_cast<int>(panel_width), start.render.height);
   float scale = 1;
   glfwGetWindowContentScale(window, &scale, nullptr);
@@ -100,7 +100,7 @@ void run_window(ViewerStart start) {
   glfwSetDropCallback(window, on_drop);
   ImGui_ImplGlfw_InitForOpenGL(window, true);  // chains to the callbacks above
   double titled_at = -1;
-  while (!glfwWindowShouldClose(window) && !viewer.wants_to_close()) {
+  while (!glfwWindowShouldClose(window) && !viewer.wants_to_close() && !stop.stop_requested()) {
     glfwWaitEventsTimeout(1.0 / 30);
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();

@@ -31,6 +31,10 @@ TEST_F(Program, UsageOfRender) {
   expect_fault(run(small("x.jpg")), 2, "none of .exr, .hdr and .png");
   expect_fault(run(small("x.png", {"--aovs"})), 2, "only an .exr");
   expect_fault(run(small("x.exr", {"--size", "0x5"})), 2, "--size");
+  expect_fault(run(small("x.exr", {"--trace", "./x.exr"})), 2, "--trace: names the same file as --output");
+  expect_fault(run(small("x.exr", {"--json", "x.exr"})), 2, "--json: names the same file as --output");
+  expect_fault(run(small("x.exr", {"--json", "t.json", "--trace", "t.json"})), 2, "same file as --json");
+  expect_fault(run(small("x.exr", {"--json", "-", "--trace", "-"})), 2, "--trace and --json: only one");
   expect_fault(run(small("x.exr", {"--samples", "0"})), 2, "--samples");
   expect_fault(run(small("x.exr", {"--time", "-1"})), 2, "--time");
   expect_fault(run(small("x.exr", {"--ev", "nan"})), 2, "--ev");
@@ -246,7 +250,7 @@ TEST_F(Program, TimeAndErrorEndAPicture) {
 TEST_F(Program, AdaptiveSamplingIsAskedForAndSaid) {
   const auto render = [&](const std::string& output, const Arguments& more) {
     Arguments arguments = small(output, {"--target", "discrete", "--samples", "1000000", "--until-error",
-                                         "0.02", "--json", "x.json"});
+                                         "0.01", "--json", "x.json"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     EXPECT_EQ(run(arguments).code, 0);
     return json::parse(text_of(at("x.json")));
