@@ -268,7 +268,7 @@ TEST(LoadScene, KnowsNamesAndKindsOfFiles) {
   EXPECT_EQ(code_of("cornell"), ExitCode::ok);
   EXPECT_EQ(code_of("cornel", &message), ExitCode::usage);
   EXPECT_NE(message.find("did you mean 'cornell'"), std::string::npos) << message;
-  EXPECT_EQ(code_of((folder.path() / "missing.glb").string(), &message), ExitCode::usage);
+  EXPECT_EQ(code_of((folder.path() / "missing.glb").string(), &message), ExitCode::bad_input);
   EXPECT_EQ(code_of(folder.path().string(), &message), ExitCode::bad_input);
   EXPECT_NE(message.find("folder"), std::string::npos) << message;
   EXPECT_EQ(code_of(folder.write("sky.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\nabcd").string(),
